@@ -166,3 +166,14 @@ def test_a_mesh_that_is_too_large_is_refused_before_it_is_read(tmp_path: Path, e
     mesh = f"<geometry><mesh><uri>hull.{ending}</uri></mesh></geometry>"
     with pytest.raises(FileError, match=rf"hull\.{ending}: larger than 64 MiB, too large for a mesh of a robot"):
         _ = from_file(model(tmp_path, mesh)).body
+
+
+def test_only_a_binary_stl_file_may_be_larger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
+    trimesh = pytest.importorskip("trimesh")
+    for ending in ("stl", "ply"):
+        trimesh.creation.box(extents=(0.4, 0.3, 0.1)).export(tmp_path / f"hull.{ending}")
+    hull = "<geometry><mesh><uri>hull.{}</uri></mesh></geometry>"
+    assert from_file(model(tmp_path, hull.format("stl"))).size[0] == pytest.approx(0.4)
+    with pytest.raises(FileError, match=r"hull\.ply: larger than 0 MiB.* write it as binary STL, of up to 256 MiB"):
+        from_file(model(tmp_path, hull.format("ply")))

@@ -19,6 +19,7 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.meshes import INLINE
+from rsegen.robots.mjcf_compile import compiled
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames, inertia_tensor, inertials
 from rsegen.robots.visuals import visuals
@@ -437,3 +438,38 @@ def test_the_defaults_are_those_of_the_class(tmp_path: Path) -> None:
     file = two_wheels_mjcf(tmp_path, motors=MOTORS)
     (tmp_path / "defaults.xml").write_text(slow)
     assert from_file(file).speed == pytest.approx(RADIUS * 2 / 2.01)
+
+
+def touching_mesh(folder: Path, more: str = "") -> Path:
+    """Write a robot whose hull is a mesh that touches."""
+    trimesh.creation.icosphere(radius=0.1).export(folder / "hull.stl")
+    return two_wheels_mjcf(
+        folder,
+        compiler=f'<compiler angle="degree" eulerseq="xyz" {more}/>',
+        assets='<mesh name="hull_mesh" file="hull.stl"/>',
+        more='<geom name="touching" type="mesh" mesh="hull_mesh" mass="1" pos="0 0 0.1"/>',
+    )
+
+
+@pytest.mark.parametrize("more", ["", 'discardvisual="true"'])
+def test_no_hull_is_made_of_a_mesh_and_it_touches_all_the_same(tmp_path: Path, more: str) -> None:
+    file = touching_mesh(tmp_path, more)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    assert model.nmeshgraph > 0  # MuJoCo makes one
+    ours = compiled(fromstring(file.read_text("utf-8")), str(file)).model
+    assert (ours.nmeshgraph > 0) == bool(more)
+    names = [model.geom(geom).name for geom in range(model.ngeom)]
+    assert names == [ours.geom(geom).name for geom in range(ours.ngeom)]
+    assert "touching" in names
+    np.testing.assert_array_equal(ours.geom_contype, model.geom_contype)
+    np.testing.assert_array_equal(ours.geom_conaffinity, model.geom_conaffinity)
+    np.testing.assert_array_equal(ours.body_mass, model.body_mass)
+    assert "touching" in {shape.get("name") for _, shape, _ in frames_of(from_file(file)).collisions()}
+
+
+def test_a_large_mesh_is_refused_before_mujoco_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = touching_mesh(tmp_path)
+    monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
+    monkeypatch.setattr("rsegen.robots.mjcf_compile._compiled_without_hulls", lambda spec: pytest.fail("was compiled"))
+    with pytest.raises(FileError, match=r"hull\.stl: larger than 0 MiB"):
+        from_file(file)

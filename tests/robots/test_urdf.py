@@ -197,6 +197,10 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
     [
         ("", "the robot has no <link>"),
         ('<link name="a"/>', "link 'a' has no mass; a simulator needs its <inertial>"),
+        (
+            '<link name="a"/><link name="b"/>' + JOINT.format("j", "fixed", "a", "b", ""),
+            "link 'a' has no mass, nor have those that are fixed to it: 'b'; a simulator needs an <inertial>",
+        ),
         (HEAVY.format("a") * 2, "two elements <link> have the name 'a'"),
         (HEAVY.format(""), "a <link> has the name ''; it needs letters, and no ::"),
         (HEAVY.format("a::b"), "a <link> has the name 'a::b'"),

@@ -76,6 +76,10 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
         ('<xacro:include filename="none.xacro"/>', "none.xacro, and there is no such file"),
         ('<gazebo><a b="$(find none_description)/x"/></gazebo>', "the package none_description is not found"),
         ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
+        (
+            "<xacro:box_inertia/>",
+            "xacro:box_inertia; if it is a part of a robot, use the file of the robot that includes it",
+        ),
         ('<gazebo><a b="$(eval none + 1)"/></gazebo>', "name 'none' is not defined"),
         ('<gazebo><a b="$(eval 1 .__class__.__base__)"/></gazebo>', "is more than arithmetic"),
         ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),

@@ -88,7 +88,9 @@ def test_the_levels_of_a_mesh_come_back(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "kind"), [("figure-7", "merged"), ("five-pallet-dash", "watertight")])
+@pytest.mark.parametrize(
+    ("name", "kind"), [("figure-7", "merged"), ("nist-patterns", "merged"), ("five-pallet-dash", "watertight")]
+)
 def test_a_mesh_of_an_example_is_scanned_as_what_it_was_made_of(name: str, kind: str, tmp_path: Path) -> None:
     recipe = rsegen.load(EXAMPLES[name])
     field = rsegen.build(recipe, recipe.first_map)

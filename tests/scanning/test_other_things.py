@@ -13,11 +13,12 @@ from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_fl
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.scanning.commands import _width
-from rsegen.scanning.evidence import bits_saved, cells_per_block, steps_by_line
+from rsegen.scanning.commands import _doubt, _width
+from rsegen.scanning.evidence import CERTAIN, bits_saved, cells_per_block, stepped_lines, steps_by_line
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.levels import board_below, units_per_level
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
+from rsegen.scanning.scan_report import scan_content
 from tests.scanning.test_find_field import TWO_VIEWS, cloud_of, field_of, right_turn
 from tests.support.long import long_unless
 
@@ -336,3 +337,60 @@ def test_a_report_says_if_little_shows_the_width_or_nobody_builds_with_it(
     lines = list(_width(replace(scan_of(levels), measured_width=width), "10 cm"))
     assert len(lines) == len(says)
     assert all(line.startswith(start) for line, start in zip(lines, says, strict=True))
+
+
+def heat_sink() -> Ints:
+    """Return fins of a centimetre on a plate, one part of a machine."""
+    levels = np.ones((20, 12), np.int64)
+    levels[::2] = 4
+    return levels
+
+
+def pins() -> Ints:
+    """Return pins that stand apart on a floor, as the houses of a town do."""
+    levels = np.zeros((9, 9), np.int64)
+    levels[::2, ::2] = np.random.default_rng(1).integers(1, 5, (5, 5))
+    return levels
+
+
+def desk() -> Ints:
+    """Return things on a desk: long flat tops whose sides are on a grid of 10 cm."""
+    levels = np.full((12, 8), 7)
+    levels[1:4, 1:3], levels[6:8, 2:6], levels[9:11, 5:7] = 9, 8, 10
+    return levels
+
+
+@pytest.mark.parametrize(
+    ("levels", "stepped", "seen", "says"),
+    [
+        (heat_sink(), 19, 30, "heights change at only 19 of 30 lines between cells"),
+        (pins(), 16, 16, "no two raised cells touch"),
+        (desk(), 12, 18, "heights change at only 12 of 18 lines between cells"),
+        (np.repeat(np.repeat(np.arange(1, 9), 2)[:, None], 7, axis=1), 7, 21, "heights change at only 7 of 21"),
+        (np.random.default_rng(1).integers(0, 5, (10, 10)), 18, 18, None),
+        (np.random.default_rng(1).integers(0, 2, (10, 10)), 18, 18, None),
+    ],
+    ids=["heat sink", "pins", "desk", "stairs of a house", "random blocks", "random blocks of two levels"],
+)
+def test_what_may_be_no_field_is_said_first_with_its_confidence(
+    levels: Ints, stepped: int, seen: int, says: str | None
+) -> None:
+    scan = scan_of(levels)
+    assert bits_saved(scan) >= 16  # it is found
+    lines = stepped_lines(scan)
+    assert lines == (stepped, seen, says == "no two raised cells touch")
+    assert scan_content(scan, 1)["confidence_of_field"] == pytest.approx(lines.confidence, abs=1e-4)
+    assert (lines.confidence >= CERTAIN) == (says is None)
+    doubts = list(_doubt(scan))
+    assert len(doubts) == (says is not None)
+    assert all(doubt.startswith(f"warning: perhaps no field of blocks: {says}") for doubt in doubts)
+
+
+def test_lines_of_which_little_was_seen_count_by_what_was_seen() -> None:
+    levels = np.random.default_rng(2).integers(1, 6, (10, 10))
+    unseen = np.random.default_rng(3).random(levels.shape) < 0.45
+    confidence = np.where(unseen, 0.0, 1.0)
+    confidence[4] = 0.0  # no neighbours are known across two lines
+    lines = stepped_lines(replace(scan_of(levels), confidence=confidence))
+    assert lines.seen == 16
+    assert lines.confidence > CERTAIN

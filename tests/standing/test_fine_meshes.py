@@ -113,3 +113,30 @@ def test_a_flat_face_of_many_triangles_has_few_samples_inside_and_all_of_its_edg
     assert (few.part == 0).sum() < 0.5 * (many.part == 0).sum()
     assert (few.low == many.low).all()
     assert (few.high == many.high).all()
+
+
+def test_of_many_meshes_each_sample_is_looked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Meshes hide nothing, so whether samples are inside of them is not asked; rows are numbered as numpy does it."""
+    asked: list[str] = []
+    depth = sampling.SurfaceSamples.depth
+
+    def counted(self: sampling.SurfaceSamples, points: Array) -> Array:
+        asked.append(self.kind)
+        return depth(self, points)
+
+    monkeypatch.setattr(sampling.SurfaceSamples, "depth", counted)
+    part = CollisionPart("part", drives=False, mu=1, mu2=1)
+    mesh = trimesh.creation.box(extents=(0.1, 0.1, 0.1))
+    small = sampled_mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces), 0.01)
+    places = [np.eye(4) for _ in range(5)]
+    for number, place in enumerate(places):
+        place[0, 3] = 0.2 * number
+    shapes = [(part, small, place) for place in places] + [
+        (part, sampling.sampled_box((2, 0.02, 0.3), 0.01), np.eye(4))
+    ]
+    body = body_of_shapes(shapes, mass=1, centre=np.zeros(3), speed=1, distance=0.01, where="robot")
+    assert asked == ["box"]
+    assert set(body.part) == set(range(6))
+    rows = np.random.default_rng(2).integers(-3, 3, (500, 3))
+    _, expected = np.unique(rows, axis=0, return_inverse=True)
+    np.testing.assert_array_equal(sampling._numbered(rows), expected.ravel())

@@ -90,3 +90,13 @@ def test_a_hull_holds_all_points_counterclockwise() -> None:
     to_points = points[:, None] - corners
     assert (sides[:, 0] * to_points[..., 1] - sides[:, 1] * to_points[..., 0] > -1e-5).all()
     assert hull(points[:1]).shape == (1, 2)
+
+
+def test_inner_points_are_left_out_of_a_hull_which_stays_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    for points in (np.random.default_rng(1).normal(size=(5000, 2)), np.outer(np.linspace(0, 1, 2000), (1, 2))):
+        few, corners = drawing._without_inner(points), hull(points)
+        with monkeypatch.context() as patch:
+            patch.setattr(drawing, "_MANY", len(points))
+            np.testing.assert_array_equal(corners, hull(points))
+        assert len(few) <= len(points)
+    assert len(drawing._without_inner(np.random.default_rng(1).normal(size=(5000, 2)))) < 500

@@ -55,11 +55,10 @@ def read_mesh(path: Path) -> Triangles:
         import trimesh
 
         with open_regular(path) as file:
-            if os.fstat(file.fileno()).st_size > MAX_MESH_MIB << 20:
-                raise FileError(f"{path}: larger than {MAX_MESH_MIB} MiB, too large for a mesh of a robot; simplify it")
             if (corners := _of_binary_stl(path, file)) is not None:
                 mesh: Any = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
             else:
+                refuse_large(path, os.fstat(file.fileno()).st_size)
                 form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
                 mesh = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
         if not len(mesh.faces):
@@ -67,6 +66,13 @@ def read_mesh(path: Path) -> Triangles:
         return Triangles(np.asarray(mesh.vertices), np.asarray(mesh.faces))
 
     return read_by_library(path, triangles)
+
+
+def refuse_large(path: Path, size: int) -> None:
+    """Raise a FileError for a file of a mesh of too many bytes; binary STL files may have more."""
+    if size > MAX_MESH_MIB << 20:
+        why = f"larger than {MAX_MESH_MIB} MiB, too large for a mesh of a robot"
+        raise FileError(f"{path}: {why}; simplify it, or write it as binary STL, of up to {_MAX_STL_MIB} MiB")
 
 
 def mesh_bounds(path: Path) -> tuple[Array, Array]:
@@ -85,6 +91,9 @@ def mesh_bounds(path: Path) -> tuple[Array, Array]:
     return places.min(axis=1), places.max(axis=1)
 
 
+_MAX_STL_MIB = 256
+"""The largest binary STL file that is read, MiB: 5 million faces."""
+
 _HEADER, _FACE = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
 """Bytes before the faces of a binary STL file, the last four of which are their number; and a face."""
 
@@ -92,11 +101,10 @@ _HEADER, _FACE = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)),
 def _of_binary_stl(path: Path, file: IO[bytes]) -> Array | None:
     """Return the corners of the triangles of an open STL file, (n, 3, 3); None of one that is not binary."""
     size = os.fstat(file.fileno()).st_size
-    if path.suffix.lower() != ".stl" or not _HEADER <= size <= MAX_MESH_MIB << 20:
+    if path.suffix.lower() != ".stl" or not _HEADER <= size <= _MAX_STL_MIB << 20:
         return None
-    content = file.read()
-    file.seek(0)
-    count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
-    if len(content) != _HEADER + count * _FACE.itemsize:
+    count = int.from_bytes(file.read(_HEADER)[-4:], "little")
+    if size != _HEADER + count * _FACE.itemsize:
+        file.seek(0)
         return None
-    return np.frombuffer(content, _FACE, offset=_HEADER)["corners"]
+    return np.frombuffer(file.read(), _FACE)["corners"]

@@ -20,7 +20,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import Triangles
 from rsegen.input_files import open_regular, silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import SUFFIXES, inline_uri
+from rsegen.robots.meshes import SUFFIXES, inline_uri, refuse_large
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""
@@ -61,8 +61,11 @@ def compiled(root: Element, where: str) -> Compiled:
         with silent_libraries():
             spec = _spec(os.fspath(Path(where).absolute()))
             missing = _take_out_unneeded(spec, folder, where)
+            for mesh in filter(lambda mesh: mesh.file, spec.meshes):
+                path = folder / (spec.meshdir or "") / mesh.file
+                refuse_large(path, os.path.getsize(path))  # before MuJoCo takes long for it
             spec.memory = -1  # what a file asks for may not be there
-            model = spec.compile()
+            model = _compiled_without_hulls(spec)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         problem = ", ".join(line.strip() for line in str(error).splitlines() if line.strip())
         raise FileError(f"{where}: MuJoCo does not read it: {problem}") from None
@@ -70,6 +73,19 @@ def compiled(root: Element, where: str) -> Compiled:
     names = [model.mesh(mesh).name for mesh in range(model.nmesh)]
     meshes = [_uri_and_pose(model, mesh, spec.mesh(name), folder) for mesh, name in enumerate(names)]
     return Compiled(model, name, meshes, missing)
+
+
+def _compiled_without_hulls(spec: Any) -> Any:
+    """Return the compiled model: MuJoCo makes hulls of meshes that touch, which take most of its time, for nothing."""
+    if spec.compiler.discardvisual:  # it would take out what does not touch
+        return spec.compile()
+    touching = [(geom, geom.contype, geom.conaffinity) for geom in spec.geoms]
+    for geom, _, _ in touching:
+        geom.contype = geom.conaffinity = 0
+    model = spec.compile()
+    for geom, kind, affinity in touching:
+        model.geom_contype[geom.id], model.geom_conaffinity[geom.id] = kind, affinity
+    return model
 
 
 def _spec(path: str) -> Any:

@@ -270,13 +270,21 @@ def _heads(
     return heads
 
 
+_MOST_NAMED = 5
+"""Links in a message at most."""
+
+
 def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, Mass]) -> dict[str, None]:
     """Return the links that have no mass, and those below them; FileError if this is the root."""
     left_out: dict[str, None] = {}
     for head, body in masses.items():
         if head not in above:
             if not body.mass and head != _WORLD:
-                raise FileError(f"{source.where}: link {shown(head)} has no mass; a simulator needs its <inertial>")
+                fixed = [shown(link) for link, its_head in source.heads.items() if its_head == head != link]
+                named = ", ".join(fixed[:_MOST_NAMED]) + (", ..." if len(fixed) > _MOST_NAMED else "")
+                nor = f", nor have those that are fixed to it: {named}" if fixed else ""
+                why = f"link {shown(head)} has no mass{nor}; a simulator needs {'an' if fixed else 'its'} <inertial>"
+                raise FileError(f"{source.where}: {why}")
         elif not body.mass or source.heads[above[head].parent] in left_out:
             left_out[head] = None
     return left_out

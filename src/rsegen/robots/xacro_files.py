@@ -177,6 +177,8 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     if missing and ("nknown macro" in reason or "is not defined" in reason):
         advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
         return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"
+    if "nknown macro" in reason:  # as in a part of a robot, whose macros are in other parts
+        return f"{reason}; if it is a part of a robot, use the file of the robot that includes it"
     return reason
 
 

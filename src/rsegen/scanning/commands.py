@@ -115,6 +115,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     )
     # Then what was assumed and what is doubtful, each with the flag that settles it.
     if options.block_width_cm is None:
+        yield from _doubt(scan)
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
         yield from _width(scan, width)
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
@@ -149,6 +150,22 @@ _DOUBTFUL = 0.5
 
 _BUILT = (0.01, 1.0)
 """Widths in metres of blocks that people build with: toys and full size; others are in another unit, or no blocks."""
+
+
+def _doubt(scan: Scan) -> Iterator[str]:
+    """Yield a line if something that is no field of blocks would look the same."""
+    from rsegen.scanning.evidence import CERTAIN, FEWEST_BITS, bits_saved, stepped_lines
+
+    lines = stepped_lines(scan)
+    if lines.confidence >= CERTAIN or bits_saved(scan) < FEWEST_BITS:  # of these `_width` says that little shows them
+        return
+    why, looks = f"heights change at only {lines.stepped} of {lines.seen} lines between cells", "stairs, furniture"
+    if lines.alone:
+        why, looks = "no two raised cells touch", "pins, keys or houses on a grid"
+    yield (
+        f"warning: perhaps no field of blocks: {why}, and {looks} or a part of a machine would look the same "
+        "(--block-width-cm if it is a field)"
+    )
 
 
 def _width(scan: Scan, width: str) -> Iterator[str]:

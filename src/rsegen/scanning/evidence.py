@@ -16,6 +16,7 @@ sides, whose blocks nothing shows: their width then has to be given.
 from __future__ import annotations
 
 from math import log2
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +39,10 @@ _MOST_BETWEEN = 0.03
 FEWEST_BITS = 16.0
 """Bits that the grid of blocks saves, at the least: up to 14 with boxes on a table, 46 and more with fields of the
 benchmark, and 13 or more with 3 x 3 random blocks."""
+
+CERTAIN = 0.7
+"""Share of the lines between cells with steps from which on blocks are taken for granted: random blocks have 0.9 and
+more, 0.73 if half was seen; stairs, furniture and parts of machines up to 0.67; fields of few obstacles 0.3 to 0.55."""
 
 _FEWEST_WIDE = 4
 """Lines along x and y with steps, at the least, of which the width of blocks is read: two are those of a box."""
@@ -64,6 +69,38 @@ def bits_saved(scan: Scan) -> float:
     share = float(has_steps.mean())
     entropy = -sum(part * log2(part) for part in (share, 1 - share) if part)
     return float(has_steps.sum() - _OF_GRID) * place - len(has_steps) * entropy
+
+
+class SteppedLines(NamedTuple):
+    """Lines between cells at which heights change, and all that were seen; alone: whether no two raised cells touch."""
+
+    stepped: int
+    seen: int
+    alone: bool
+
+    @property
+    def confidence(self) -> float:
+        """The share of the lines that have steps, 0 to 1; 0 if no two raised cells touch, as blocks that abut do."""
+        return 0.0 if self.alone or not self.seen else self.stepped / self.seen
+
+
+def stepped_lines(scan: Scan) -> SteppedLines:
+    """Return at how many lines between cells heights change, which shows that what is on them is blocks.
+
+    A part of a machine, stairs or a table has long flat tops, and its sides are on a grid only as all its lengths are
+    whole centimetres; of blocks that abut, nearly every line has two neighbours that differ. What breaks it: a field of
+    few obstacles has long flat tops too, so a low confidence does not say that there is no field.
+    """
+    tops, sure = scan.tops, scan.confidence >= SURE
+    stepped = seen = touching = 0
+    for levels, known in ((tops, sure), (tops.T, sure.T)):
+        pairs = known[1:] & known[:-1]
+        steps = ((levels[1:] != levels[:-1]) & pairs).sum(axis=1)
+        of_line = pairs.sum(axis=1)
+        seen += int((of_line > 0).sum())
+        stepped += int((steps >= np.clip(_OF_SHORT_LINE * of_line, 1, _OF_LINE)).sum())
+        touching += int(((levels[1:] > 0) & (levels[:-1] > 0) & pairs).sum())
+    return SteppedLines(stepped, seen, not touching)
 
 
 def cells_per_block(scan: Scan) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Json
-from rsegen.scanning.evidence import bits_saved
+from rsegen.scanning.evidence import bits_saved, stepped_lines
 from rsegen.scanning.scan import SURE, Scan
 from rsegen.scene.scene import north_up
 
@@ -38,6 +38,7 @@ def scan_content(scan: Scan, points: int) -> dict[str, Any]:
         "cells_seen": int(seen.sum()),
         "block_width_m": _metres(scan.block_width),
         "measured_block_width_m": _metres(scan.measured_width),
+        "confidence_of_field": round(stepped_lines(scan).confidence, 4),
         "bits_of_grid": round(bits_saved(scan), 1),
         "unit_m": _metres(scan.unit),
         "measured_unit_m": _metres(scan.measured_unit),

@@ -47,6 +47,10 @@ _NEIGHBOURS = 8
 """Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
 
 
+_HIDES_NOTHING = ("mesh", "ellipsoid")
+"""Solids inside of which no sample is left out: of a mesh nobody says that it is closed."""
+
+
 class SurfaceSamples(NamedTuple):
     """Points (n, 3) of a solid's surface with their normals (n, 3), and how far inside it any point is, metres.
 
@@ -68,7 +72,7 @@ class SurfaceSamples(NamedTuple):
             return np.minimum(radius - np.hypot(points[:, 0], points[:, 1]), length / 2 + 1e-6 - np.abs(points[:, 2]))
         if self.kind == "ball":
             return np.asarray(self.size[0] - np.linalg.norm(points, axis=1))
-        return np.full(len(points), -np.inf)  # a mesh hides nothing, as nobody says that it is closed
+        return np.full(len(points), -np.inf)
 
 
 def sampled_box(size: Sequence[float], distance: float) -> SurfaceSamples:
@@ -175,7 +179,7 @@ class Body:
     groups: (m, 8), samples that are neighbours; all of them, and some twice where their number is no multiple of 8
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
-    surface, part_of_surface: samples from all sides, (m, 3) and (m,), to draw it
+    surface, part_of_surface: samples from all sides, (m, 3) and (m,), part by part, to draw it
     """
 
     points: Array
@@ -237,24 +241,27 @@ def body_of_shapes(
     shapes = list(shapes)
     points, normals, part, rim, placed_points = [], [], [], [], []
     for index, (_, solid, pose) in enumerate(shapes):
-        placed, turned = solid.points @ pose[:3, :3].T + pose[:3, 3], solid.normals @ pose[:3, :3].T
         # Faces of a box that stand upright have nothing to stand on; their lower edge is that of the face below.
-        down = turned[:, 2] < (-0.05 if solid.kind == "box" else _DOWN)
+        down = np.flatnonzero(solid.normals @ pose[2, :3] < (-0.05 if solid.kind == "box" else _DOWN))
+        placed = solid.points @ pose[:3, :3].T + pose[:3, 3]
         placed_points.append(placed)
         points.append(placed[down])
-        normals.append(turned[down])
-        part.append(np.full(int(down.sum()), index))
+        normals.append(solid.normals[down] @ pose[:3, :3].T)
+        part.append(np.full(len(down), index))
         rim.append(solid.rim[down])
     if not sum(map(len, points)):
         raise ParameterError(where, "has no collision shapes, so it stands on nothing")
-    every, of_part = np.concatenate(points), np.concatenate(part)
+    every, normal = np.concatenate(points), np.concatenate(normals)
+    seen = np.flatnonzero(~_hidden(every, normal, distance))  # few of the samples of fine meshes
+    every, normal, of_part = every[seen], normal[seen], np.concatenate(part)[seen]
     inside, covered = np.zeros(len(every), bool), np.zeros(len(every), bool)
     for index, (_, solid, pose) in enumerate(shapes):
+        if solid.kind in _HIDES_NOTHING:
+            continue
         depth = solid.depth((every - pose[:3, 3]) @ pose[:3, :3])
         inside |= (depth > 2e-4) & (of_part != index)
         covered |= (depth > -2e-3) & (of_part != index)  # the edge of a belt's box is the belt's round end
-    normal = np.concatenate(normals)
-    kept = np.flatnonzero(~inside & ~_hidden(every, normal, distance))
+    kept = np.flatnonzero(~inside)
     is_mesh = np.array([solid.kind == "mesh" for _, solid, _ in shapes])[of_part[kept]]
     of_mesh = kept[is_mesh]
     thinned = _thinned(every[of_mesh] - centre, normal[of_mesh], of_part[of_mesh], distance)
@@ -264,7 +271,7 @@ def body_of_shapes(
         normals=normal[kept],
         groups=_groups(every[kept]),
         part=of_part[kept],
-        rim=(np.concatenate(rim) & ~covered)[kept],
+        rim=(np.concatenate(rim)[seen] & ~covered)[kept],
         parts=tuple(part for part, _, _ in shapes),
         mass=mass,
         centre=centre,
@@ -295,11 +302,15 @@ def _thinned(points: Array, normals: Array, part: Ints, distance: float) -> Ints
     Of the lowest ones it is that whose normal looks down the most, of these that farthest from the middle. Makers'
     meshes are fine where they are round or have screws, and at a corner each triangle has a sample with its own normal.
     """
-    cube = np.floor(points / distance).astype(np.int64)
-    low, far = np.round(points[:, 2] / _EVEN), np.hypot(points[:, 0], points[:, 1])
-    order = np.lexsort((-far, np.round(normals[:, 2], 1), low, part, *cube.T))
-    _, first = np.unique(np.column_stack([cube, part])[order], axis=0, return_index=True)
-    kept = order[first]
+    cube = np.column_stack([np.floor(points / distance).astype(np.int64), part])
+    low, in_cube = np.round(points[:, 2] / _EVEN), _numbered(cube)
+    lowest = np.full(in_cube.max(initial=-1) + 1, np.inf)
+    np.minimum.at(lowest, in_cube, low)
+    kept = np.flatnonzero(low == lowest[in_cube])  # of millions of samples few are the lowest ones
+    far = np.hypot(points[kept, 0], points[kept, 1])
+    order = np.lexsort((-far, np.round(normals[kept, 2], 1), in_cube[kept]))
+    _, first = np.unique(in_cube[kept][order], return_index=True)
+    kept = kept[order[first]]
     # Inside of a flat face the corner of a block is met as well by one sample in three along each side.
     flat = _inside_faces(points[kept], normals[kept], part[kept], _NEAR * distance)
     inner = kept[flat]
@@ -309,6 +320,18 @@ def _thinned(points: Array, normals: Array, part: Ints, distance: float) -> Ints
     faces = np.column_stack([np.floor(wide), np.round(normals[inner]), part[inner]])
     _, first = np.unique(faces[order], axis=0, return_index=True)
     return np.append(kept[~flat], inner[order[first]])
+
+
+def _numbered(rows: Ints) -> Ints:
+    """Return the number of each row (n, k) among the different rows in lexicographic order, (n,).
+
+    As `np.unique(rows, axis=0, return_inverse=True)` does, which takes ten times as long for millions of rows.
+    """
+    number = np.zeros(len(rows), np.int64)
+    for column in rows.T:
+        _, value = np.unique(column, return_inverse=True)
+        _, number = np.unique(number * (value.max(initial=0) + 1) + value, return_inverse=True)
+    return number
 
 
 def _inside_faces(points: Array, normals: Array, part: Ints, near: float) -> Mask:
@@ -353,9 +376,7 @@ def _largest_gaps(index: Ints, angle: Array, count: int) -> Array:
 
 def _hidden(points: Array, normals: Array, distance: float) -> Mask:
     """Return which samples are above a lower one of about the same x and y."""
-    place = np.round(points[:, :2] / (1.5 * distance)).astype(np.int64)
-    _, bins = np.unique(place, axis=0, return_inverse=True)
-    bins = bins.ravel()
+    bins = _numbered(np.round(points[:, :2] / (1.5 * distance)).astype(np.int64))
     lowest = np.full(bins.max() + 1, np.inf)
     np.minimum.at(lowest, bins, points[:, 2])
     allowed = np.where(normals[:, 2] < -0.9, 0.0025, _HIDDEN)  # flat ones have the same height in a bin

@@ -91,7 +91,7 @@ def axes_of(rests: Poses, index: int) -> Array:
 
 def hull(points: Array) -> Array:
     """Return the corners of the convex hull of points (n, 2), counterclockwise (Andrew's monotone chain, 1979)."""
-    ordered = sorted(set(map(tuple, np.round(points, 6).tolist())))
+    ordered = sorted(set(map(tuple, _without_inner(np.round(points, 6)).tolist())))
     if len(ordered) < 3:
         return np.array(ordered)
 
@@ -109,6 +109,23 @@ def hull(points: Array) -> Array:
     return np.array(chain(ordered) + chain(ordered[::-1]))
 
 
+_MANY, _WAYS = 1000, 32
+"""Points from which on it is worth to leave out inner ones, and the directions in which outer ones are looked for."""
+
+
+def _without_inner(points: Array) -> Array:
+    """Return points (n, 2) but those inside the polygon of the farthest in some directions (Akl, Toussaint 1978)."""
+    if len(points) <= _MANY:
+        return points
+    ways = np.arange(_WAYS) * 2 * np.pi / _WAYS
+    corners = np.unique([points[(points @ (np.cos(way), np.sin(way))).argmax()] for way in ways], axis=0)
+    corners = hull(corners)
+    outside = np.zeros(len(points), bool)
+    for (a, b), (c, d) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        outside |= (c - a) * (points[:, 1] - b) - (d - b) * (points[:, 0] - a) <= 0
+    return points[outside]
+
+
 def silhouettes(
     body: Body, rests: Poses, project: Callable[[Array, Array, Array], Array], toward: Array
 ) -> Iterator[tuple[Array, str]]:
@@ -117,7 +134,7 @@ def silhouettes(
     project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
     """
     placed = _placed(body, rests)
-    parts = [placed[body.part_of_surface == number] for number in range(len(body.parts))]
+    parts = np.split(placed, body.part_of_surface.searchsorted(np.arange(1, len(body.parts))))
     for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
         yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
 
