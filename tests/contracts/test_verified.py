@@ -1,4 +1,4 @@
-"""`rsegen info --verify` notices each byte of each kind of output that has checksums, and of its journal."""
+"""`rsegen info --verify` notices a change in every file of each kind of output, and all over the journal."""
 
 from __future__ import annotations
 
