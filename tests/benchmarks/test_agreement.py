@@ -46,11 +46,10 @@ OUTCOME = Outcome(
 
 REPLAYED = [
     ("burger", MUJOCO[0], 0.5),
-    ("burger", MUJOCO[1], 0.5),
-    ("jackal", MUJOCO[0], 2.0),
+    ("jackal", MUJOCO[1], 2.0),
     ("crawler", MUJOCO[0], 3.0),
 ]
-"""A field for each robot on which some cross and some do not, if there is one."""
+"""A field for each robot, and for both models of motors, on which some cross and some do not, if there is one."""
 
 
 @pytest.mark.parametrize(("robot", "simulator", "unit"), REPLAYED)

@@ -54,21 +54,12 @@ def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "workers",
-    [
-        "1",
-        pytest.param(
-            "2", marks=pytest.mark.long(reason="tests/writing/test_execute.py has workers once for all commands")
-        ),
-    ],
-)
 def test_generate_writes_the_sheets_of_the_command_into_every_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     worlds = tmp_path / "worlds"
-    printed(capsys, "generate", *RANDOM, "--maps", "3", "--sheet", "--workers", workers, "-o", worlds)
-    for index in range(3):
+    printed(capsys, "generate", *RANDOM, "--maps", "2", "--sheet", "-o", worlds)
+    for index in range(2):
         folder = worlds / f"rse_000{index}"
         printed(
             capsys,

@@ -7,7 +7,7 @@ import importlib
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -28,13 +28,16 @@ from tests.support.deletion import FOLDERS, environment, sources_without, with_d
 HOUSE = Path(rsegen.__file__).parent
 
 
-def imports() -> Iterator[tuple[str, str]]:
-    """Yield each import of a module of rsegen, in functions and for type checkers too: its module, what it imports."""
+@cache
+def imports() -> list[tuple[str, str]]:
+    """Return each import of a module of rsegen, in functions and for type checkers too: its module, what it imports."""
+    found = list[tuple[str, str]]()
     for path in HOUSE.rglob("*.py"):
         module = ".".join(["rsegen", *path.relative_to(HOUSE).with_suffix("").parts]).removesuffix(".__init__")
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rsegen"):
-                yield from ((module, f"{node.module}.{name.name}") for name in node.names)
+                found += [(module, f"{node.module}.{name.name}") for name in node.names]
+    return found
 
 
 def folder_of(module: str) -> str:

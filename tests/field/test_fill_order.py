@@ -57,7 +57,7 @@ def test_an_order_is_found_exactly_if_one_exists(shape: tuple[int, int]) -> None
             assert highest_step(found) <= 1
 
 
-@pytest.mark.parametrize("counts", [(36, 9, 55), (28, 8, 64), (45, 10, 45), (36, 9, 10, 45), (1, 2, 97)])
+@pytest.mark.parametrize("counts", [(36, 9, 55), (36, 9, 10, 45), (1, 2, 97)])
 def test_the_tightest_counts_of_a_pallet_have_an_order(counts: Counts) -> None:
     levels = np.repeat(np.arange(len(counts)), counts).reshape(10, 10)
     for seed in (1, 2, 3):

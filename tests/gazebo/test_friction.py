@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen import Scene, compose
@@ -104,6 +104,7 @@ def faces(obj: bytes) -> Iterator[tuple[int, Face]]:
 
 
 @pytest.mark.slow
+@settings(max_examples=12)
 @given(gripping(MESHES))
 def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_one_friction(scene: Scene) -> None:
     files = files_of(scene)
@@ -119,6 +120,7 @@ def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_on
 
 
 @pytest.mark.slow
+@settings(max_examples=12)
 @given(gripping(MESHES))
 def test_only_frictions_and_collisions_differ_from_a_map_of_one_friction(scene: Scene) -> None:
     plain = compose(replace(scene.recipe, frame_friction=None, level_friction=None), scene.index)

@@ -103,7 +103,9 @@ def test_below_a_table_is_how_many_maps_can_be_crossed(
     capsys: pytest.CaptureFixture[str], maps: Path, tmp_path: Path
 ) -> None:
     """For a robot and for limits of steps; without either there is no such line, and no head that is not there."""
-    _, below, legend = printed(capsys, maps, "--robot", "burger").split("\n\n")
+    small = tmp_path / "small.yaml"
+    small.write_text("{maps: 3, seed: 7, chunk_size: 5, obstacles: [{kind: random, levels: 3}]}")
+    _, below, legend = printed(capsys, small, "--robot", "burger").split("\n\n")
     assert below.splitlines() == [
         "Predicted: of 3 maps, the burger can cross 0 west to east and 0 south to north.",
         "To see how surely, drive it: add --verify, or use rsegen predict.",
@@ -114,7 +116,9 @@ def test_below_a_table_is_how_many_maps_can_be_crossed(
     path = "a path of steps of up to 40 cm up and 40 cm down"
     assert below == f"Predicted: of 3 maps, {path} leads across 3 west to east and 3 south to north."
     level = tmp_path / "level.yaml"
-    level.write_text("{maps: 2, seed: 7, boundary: none, unit_cm: 1, obstacles: [{kind: random, levels: 2}]}")
+    level.write_text(
+        "{maps: 2, seed: 7, chunk_size: 6, boundary: none, unit_cm: 1, obstacles: [{kind: random, levels: 2}]}"
+    )
     _, below, _ = printed(capsys, level, "--robot", "crawler").split("\n\n")
     assert below.startswith("Predicted: of 2 maps, the crawler can cross 2 west to east and 2 south to north.\n")
     assert "Predicted" not in printed(capsys, maps)
@@ -162,7 +166,7 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
     file = tmp_path / "jackal.sdf"
     file.write_text(ROBOTS["jackal"].file("jackal"))
     path = tmp_path / "small.yaml"
-    path.write_text("{chunk_size: 6, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 4}]}")
+    path.write_text("{chunk_size: 5, boundary: none, unit_cm: 1, seed: 7, obstacles: [{kind: random, levels: 4}]}")
     found = rsegen.metrics(rsegen.build(rsegen.load(path)), ROBOTS["jackal"]).reach
     assert max(map(len, printed(capsys, path, "--robot", "jackal").splitlines())) <= 120
     for robot in ("jackal", file):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from base64 import b64decode
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,6 +15,7 @@ import pytest
 import rsegen
 from rsegen.driving import page as drives
 from rsegen.driving.planning import predictions
+from rsegen.driving.prediction import Prediction
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import host as hosting
 from rsegen.page.forms import hello
@@ -21,7 +23,7 @@ from rsegen.page.host import Host, Listener
 from rsegen.page.model.session import Session
 from rsegen.robots import page as robots
 from rsegen.robots.base import ROBOTS
-from rsegen.scene.scene import compose
+from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
@@ -145,7 +147,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 @pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
-    monkeypatch.setattr(ways, "_MOVES_AT_ONCE", 20)
+    monkeypatch.setattr(ways, "_MOVES_AT_ONCE", 60)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
     host.opened(doc).add(listener)
@@ -305,15 +307,28 @@ def test_of_requests_that_wait_the_newest_alone_gets_its_turn(tmp_path: Path) ->
 
 @pytest.mark.slow
 @pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
-def test_a_page_is_told_how_surely_a_robot_gets_across(host: Host, doc: str) -> None:
-    told = drives.crossing(host, doc=doc, index=0, robot="crawler")
-    found = predictions(ROBOTS["crawler"], compose(RECIPE))
+def test_a_page_is_told_how_surely_a_robot_gets_across(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+    low = rsegen.Recipe(chunk_size=4, boundary="none", unit_cm=1, seed=3, obstacles=[rsegen.Random(levels=2)])
+    rsegen.save(low, host.folder / "low.yaml")
+    doc = hosting.open(host, what=str(host.folder / "low.yaml"))["doc"]
+    made = list[Mapping[str, Prediction]]()
+
+    def predicted(robot: object, scene: Scene) -> Mapping[str, Prediction]:
+        """What is predicted, kept, as the drives take seconds."""
+        assert robot == ROBOTS["jackal"]
+        assert scene.field == rsegen.build(low)
+        made.append(predictions(robot, scene))
+        return made[-1]
+
+    monkeypatch.setattr(drives, "predictions", predicted)
+    told = drives.crossing(host, doc=doc, index=0, robot="jackal")
+    (found,) = made
     assert set(found) == {"west_east", "south_north"}
     assert told["text"] == f"west to east: {found['west_east']}; south to north: {found['south_north']}"
     assert len(told["ways"]) == sum(prediction.drives for prediction in found.values())
     crossing = [way for way in told["ways"] if way["crosses"]]
     assert len(crossing) == sum(prediction.crossed for prediction in found.values()) > 0
     first, last = np.array(crossing[0]["points"])[[0, -1]]
-    assert last[0] - first[0] > FIELD.extent[0]
+    assert last[0] - first[0] > rsegen.build(low).extent[0]
     assert told["spots"] == []
     assert json.dumps(told, allow_nan=False)

@@ -18,15 +18,16 @@ import pytest
 from tests.page.client import Client
 
 _LARGE = ["--chunk-size", "1000", "--obstacle", "random levels=2", "--seed", "1"]
-_CALLS = ("reach", "measure")
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGTERM that a program hears of")
-@pytest.mark.parametrize("name", _CALLS)
 @pytest.mark.parametrize(
-    ("signals", "code", "seconds"),
-    [((signal.SIGINT, signal.SIGINT, signal.SIGTERM), 130, 10), ((signal.SIGTERM,), 143, 30)],
+    ("name", "signals", "code", "seconds"),
+    [
+        ("reach", (signal.SIGINT, signal.SIGINT, signal.SIGTERM), 130, 10),
+        ("measure", (signal.SIGTERM,), 143, 30),
+    ],
     ids=["two Ctrl-C and a polite kill", "a polite kill"],
 )
 def test_signals_end_the_page_while_a_call_runs(

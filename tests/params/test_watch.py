@@ -16,11 +16,11 @@ from rsegen.cli.edge import main
 from rsegen.cli.report import progress_of
 from rsegen.params.watch import report_share, watched
 
-WAY = ["--seed", "7", "--chunk-size", "8", "--unit-cm", "5", "--boundary", "none", "--crossable-by", "burger"]
+WAY = ["--seed", "7", "--chunk-size", "5", "--unit-cm", "1", "--boundary", "none", "--crossable-by", "burger"]
 ROUGH = rsegen.Recipe(
     seed=7,
-    chunk_size=8,
-    unit_cm=5,
+    chunk_size=5,
+    unit_cm=1,
     boundary="none",
     crossable_by="burger",
     obstacles=[rsegen.Random(levels=4)],

@@ -120,9 +120,21 @@ def test_a_format_exports_and_an_importer_reads_it_back(packages: Path, worlds: 
 
 
 @pytest.mark.slow
-def test_a_robot_gives_its_figures(packages: Path, worlds: Path) -> None:
-    said = json.loads(done("metrics", worlds, "--map", "0", "--robot", "tall_burger", "--json", packages=packages))
-    as_file = json.loads(done("metrics", worlds, "--map", "0", "--robot", "burger", "--json", packages=packages))
+def test_a_robot_gives_its_figures(packages: Path) -> None:
+    small = [
+        "--obstacle",
+        "random levels=2",
+        "--chunk-size",
+        "4",
+        "--boundary",
+        "none",
+        "--unit-cm",
+        "1",
+        "--seed",
+        "1",
+    ]
+    said = json.loads(done("metrics", *small, "--robot", "tall_burger", "--json", packages=packages))
+    as_file = json.loads(done("metrics", *small, "--robot", "burger", "--json", packages=packages))
     assert said[0]["reach"] == as_file[0]["reach"]  # as of the Burger, of which it is made
 
 

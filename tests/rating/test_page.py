@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from rsegen.page.host import Host
 from rsegen.rating.page import drive_trial, rating
 from rsegen.rating.rating import Rating
 from tests.page.test_jobs import ended
+from tests.rating.conftest import Rated
 from tests.rating.test_rate import crosses, real
 from tests.support.journals import edited
 
@@ -99,19 +101,18 @@ def test_the_robot_of_a_rating_of_anybody_is_no_file_elsewhere(host: Host, tmp_p
 
 @real
 @pytest.mark.slow
-@pytest.mark.parametrize("by", ["mujoco", "prediction"])
-def test_a_trial_is_driven_again_as_it_was(host: Host, tmp_path: Path, by: str) -> None:
-    (curve,) = made(tmp_path / "rate", "jackal", by=(by,), trials=8).curves
-    trial = next((trial for trial in curve.trials if trial.crossed), curve.trials[0])
-    assert trial.crossed or by == "prediction"
+def test_trials_are_driven_again_as_they_were_whoever_judged_them(of_jackal: Rated, host: Host, tmp_path: Path) -> None:
+    """Also over the drive that is there already, as both judges have the same fields."""
+    copytree(of_jackal.folder, tmp_path / "rate")
     doc = hosting.open(host, what="peak")["doc"]
-    job = ended(host, drive_trial(host, doc=doc, path="rate", judge=curve.title, trial=trial.map))
-    assert job["state"] == "done", job["lines"]
-    (drive,) = [file for file in job["files"] if file["kind"] == "drive"]
-    assert drive["path"] == f"rate-trials/map_{trial.map}_unit_{trial.level:g}"
-    told = json.loads((tmp_path / drive["path"] / "drive.json").read_text())
-    assert told["robots"][0]["kind"] == "jackal"
-    if by == "mujoco":
-        assert told["robots"][0]["crossed"] == trial.seconds
-    # Once more, over the drive that is there already.
-    assert ended(host, drive_trial(host, doc=doc, path="rate", judge=curve.title, trial=trial.map))["state"] == "done"
+    curves = json.loads((tmp_path / "rate" / "rating.json").read_text())["curves"]
+    assert {curve["by"] for curve in curves} == {"mujoco", "prediction"}
+    (trial,) = [trial for curve in curves for trial in curve["trials"] if trial["crossed"]]
+    for curve in curves:
+        job = ended(host, drive_trial(host, doc=doc, path="rate", judge=curve["title"], trial=trial["map"]))
+        assert job["state"] == "done", job["lines"]
+        (drive,) = [file for file in job["files"] if file["kind"] == "drive"]
+        assert drive["path"] == f"rate-trials/map_{trial['map']}_unit_{trial['level']:g}"
+        told = json.loads((tmp_path / drive["path"] / "drive.json").read_text())
+        assert told["robots"][0]["kind"] == "jackal"
+        assert told["robots"][0]["crossed"] == trial["seconds"]

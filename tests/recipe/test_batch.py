@@ -97,10 +97,10 @@ def test_many_maps_at_their_difficulties_and_steps_equal_maps_built_one_by_one(r
 def test_every_kind_with_drawn_ends_and_every_blend(kind: str, blend: str, ends: dict[str, Any]) -> None:
     obstacle = rsegen.KINDS[kind](levels=5, softness=40, blend=blend, **ends)
     recipe = Recipe(seed=11, chunk_size=6, chunks=(2, 1), ground_level=4, obstacles=[Random(levels=4), obstacle])
-    many = rsegen.build_many(recipe, range(12))
-    assert np.array_equal(many, _one_by_one(recipe, range(12)))
+    many = rsegen.build_many(recipe, range(6))
+    assert np.array_equal(many, _one_by_one(recipe, range(6)))
     if ends:  # without them, some kinds are the same on the whole of every map
-        assert len(np.unique(many, axis=0)) > 6
+        assert len(np.unique(many, axis=0)) > 3
 
 
 @pytest.mark.parametrize(
@@ -135,9 +135,9 @@ def test_pallets_and_reordered_blocks_of_many_maps_are_those_built_one_by_one(se
     )
     reordered = Random(levels=levels, max_step=levels - 2, key="reordered", blend="max", last=(side - 1, side - 1))
     recipe = Recipe(seed=seed, chunk_size=side, chunks=(2, 1), obstacles=[pallet, reordered])
-    many = rsegen.build_many(recipe, range(20))
-    assert np.array_equal(many, _one_by_one(recipe, range(20)))
-    assert len(np.unique(many, axis=0)) > 10
+    many = rsegen.build_many(recipe, range(8))
+    assert np.array_equal(many, _one_by_one(recipe, range(8)))
+    assert len(np.unique(many, axis=0)) > 4
 
 
 @given(seed=SEEDS, skipped=st.integers(0, 500))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 import rsegen
 from rsegen import Recipe, build
@@ -36,6 +36,7 @@ def test_recipes_round_trip_through_files(
 
 @pytest.mark.slow
 @given(recipes())
+@settings(max_examples=10)
 def test_schema_accepts_every_recipe(recipe: Recipe) -> None:
     jsonschema.validate(json.loads(to_json(recipe)), schema())
 

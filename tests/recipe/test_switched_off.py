@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen import Peak, Random, Recipe, build, build_many, load, save
@@ -29,6 +29,7 @@ def switched_off(recipe: Recipe, row: int) -> Recipe:
 
 
 @given(recipes(), st.data())
+@settings(max_examples=10)
 def test_maps_are_those_without_the_obstacle(recipe: Recipe, data: st.DataObject) -> None:
     if not recipe.obstacles:
         return

@@ -28,21 +28,21 @@ def fine(mesh: Any, points: int) -> Any:
     return mesh
 
 
-def plate() -> Any:
+def plate(points: int = 5_000) -> Any:
     """A flat hull."""
-    return fine(trimesh.creation.box(extents=(LENGTH, 0.3, 0.1)), 10_000)
+    return fine(trimesh.creation.box(extents=(LENGTH, 0.3, 0.1)), points)
 
 
 def bowl() -> Any:
     """A hull that is round below."""
-    mesh = trimesh.creation.icosphere(subdivisions=5)
+    mesh = trimesh.creation.icosphere(subdivisions=4)
     return mesh.apply_transform(np.diag([LENGTH / 2, 0.15, 0.06, 1]))
 
 
 def stepped() -> Any:
     """A hull with a lower plate, aslant in the grid of samples."""
     parts = [plate(), trimesh.creation.box(extents=(0.2, 0.15, 0.05)).apply_translation((0.05, 0, -0.06))]
-    mesh = fine(trimesh.util.concatenate(parts), 10_000)
+    mesh = fine(trimesh.util.concatenate(parts), 5_000)
     return mesh.apply_transform(trimesh.transformations.rotation_matrix(0.02, (0, 0, 1)))
 
 
@@ -62,10 +62,10 @@ def robot(hull: Any, distance: float = sample_distance(LENGTH)) -> Body:
 
 
 def at_rest(body: Body, radius: float) -> Settled:
-    """The robot at 300 places."""
+    """The robot at 100 places."""
     rng = np.random.default_rng(5)
-    x, y = rng.uniform(-0.4, 0.4, (2, 300))
-    return settle(PaddedGround.of(FIELD, radius), body, x, y, rng.uniform(-np.pi, np.pi, 300))
+    x, y = rng.uniform(-0.4, 0.4, (2, 100))
+    return settle(PaddedGround.of(FIELD, radius), body, x, y, rng.uniform(-np.pi, np.pi, 100))
 
 
 def off(rest: Settled, exact: Settled) -> tuple[Array, Array]:
@@ -77,7 +77,7 @@ def off(rest: Settled, exact: Settled) -> tuple[Array, Array]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hull", [plate, bowl, stepped])
+@pytest.mark.parametrize("hull", [bowl, stepped])
 def test_fewer_samples_inside_of_faces_change_no_pose_by_more_than_samples_do_anyway(
     hull: Callable[[], Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -86,21 +86,20 @@ def test_fewer_samples_inside_of_faces_change_no_pose_by_more_than_samples_do_an
     monkeypatch.setattr(sampling, "_inside_faces", lambda points, *_: np.zeros(len(points), bool))
     many = robot(hull())
     radius = outer_radius(exact)
-    (height, turn), (height_before, turn_before) = (
-        off(at_rest(body, radius), at_rest(exact, radius)) for body in (few, many)
-    )
+    rests = [at_rest(body, radius) for body in (few, many, exact)]
+    (height, turn), (height_before, turn_before) = (off(rest, rests[2]) for rest in rests[:2])
     assert np.median(height) < np.median(height_before) + 0.1
     assert np.quantile(height, 0.9) < 1.3 * np.quantile(height_before, 0.9) + 0.2
     assert np.median(turn) < np.median(turn_before) + 0.1
-    assert has_stood(at_rest(few, radius)).tolist() == has_stood(at_rest(many, radius)).tolist()
+    assert has_stood(rests[0]).tolist() == has_stood(rests[1]).tolist()
 
 
 def test_a_flat_face_of_many_triangles_has_few_samples_inside_and_all_of_its_edge(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    few = robot(plate())
+    few = robot(plate(10_000))
     monkeypatch.setattr(sampling, "_inside_faces", lambda points, *_: np.zeros(len(points), bool))
-    many = robot(plate())
+    many = robot(plate(10_000))
 
     def edge(body: Body) -> set[tuple[float, ...]]:
         """The samples on the edge of the hull's underside."""

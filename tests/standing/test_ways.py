@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -21,7 +19,6 @@ from rsegen.standing import ways
 from rsegen.standing.lanes import End, straight
 from rsegen.standing.ways import BEST, Lattice, best_way, events, no_way, reach
 from tests.standing.stands import BODIES, field_of
-from tests.support.long import long_unless
 
 KINDS = sorted(BODIES)
 BURGER = BODIES["burger"]
@@ -120,13 +117,10 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wall", long_unless(bool, [None, 2], reason="a frame without a wall"))
-def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) -> None:
-    """Along frames as wide as these it would get around every block."""
-    frame, levels = np.zeros((8, 9), bool), np.zeros((8, 9), int)
-    frame[[0, -1]] = frame[:, [0, -1]] = True
-    if wall is not None:
-        frame[:, wall : wall + 2] = True
+def test_a_robot_crosses_frames_but_does_not_drive_along_them() -> None:
+    """Along frames as wide as these, around the field and across it, it would get around every block."""
+    frame, levels = np.zeros((6, 7), bool), np.zeros((6, 7), int)
+    frame[[0, -1]] = frame[:, [0, -1]] = frame[:, 2:4] = True
     field = StepField(levels=levels.astype(np.int16), frame=frame, block_width=0.25, unit=0.3, frame_height=0.002)
     found = reach(field, BURGER)
     for way, across in ((found.west_east, 1), (found.south_north, 0)):
@@ -134,17 +128,16 @@ def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) 
         line = np.rint((way.points[:, across] / 0.25) + (field.shape[across] - 1) / 2).astype(int)
         assert field.inside(across)[line].all()
     assert found.region[~frame].all()
-    blocked = replace(field, levels=np.where(frame, 0, np.arange(8)[:, None] == 4).astype(np.int16))
+    blocked = replace(field, levels=np.where(frame, 0, np.arange(6)[:, None] == 3).astype(np.int16))
     assert not best_way(blocked, BURGER, 0).crosses
-    assert Lattice(blocked, BURGER).way(0) is None
     assert best_way(blocked, BURGER, 1).crosses
 
 
 @pytest.mark.slow
 def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_margin() -> None:
     """Straight across is a low ridge; around it is longer and level."""
-    levels = np.zeros((7, 9), int)
-    levels[3, 2:7] = 1
+    levels = np.zeros((5, 7), int)
+    levels[2, 2:] = 1
     field = field_of(levels, 0.008)
     by = {best: best_way(field, BURGER, 0, best) for best in BEST}
     assert all(way.crosses for way in by.values())
@@ -155,15 +148,12 @@ def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_ma
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5))
-def test_no_way_is_better_than_the_best_one(seed: int) -> None:
-    levels = np.random.default_rng(seed).integers(0, 3, (6, 6))
-    field = field_of(levels, 0.02)
-    by = {best: Lattice(field, BODIES["crawler"], best).way(0) for best in BEST}
-    if not all(by.values()):
-        assert not any(by.values())
-        return
+def test_no_way_is_better_than_the_best_one() -> None:
+    """On a map of which each best way is another one."""
+    field = field_of(np.random.default_rng(3).integers(0, 3, (6, 6)), 0.02)
+    by = {best: Lattice(field, BODIES["crawler"], best).way(0) for best in ("length", "tilt", "margin")}
     ways = [way for way in by.values() if way]
+    assert len(ways) == len({way.points.tobytes() for way in ways}) == 3
     # What a way is best of is asked of its moves, and told of poses on it: a little differs.
     assert (by["length"] or ways[0]).length == pytest.approx(min(way.length or 0 for way in ways))
     assert (by["tilt"] or ways[0]).tilt == pytest.approx(min(way.tilt or 0 for way in ways), abs=0.02)
@@ -190,10 +180,8 @@ def test_a_mirrored_field_has_mirrored_lanes(seed: int) -> None:
         assert np.median(np.abs(lanes.poses.z - mirrored.poses.z)) < 1e-4
 
 
-@pytest.mark.long(reason="scipy judges a lattice in make test")
-@pytest.mark.parametrize("best", BEST)
-@given(seed=st.integers(0, 1000))
-@settings(max_examples=3, deadline=None)
+@pytest.mark.slow
+@pytest.mark.parametrize(("best", "seed"), [*zip(BEST, (0, 1, 2, 4), strict=True)])
 def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_all_known(best: str, seed: int) -> None:
     levels = np.random.default_rng(seed).integers(0, 4, (6, 5))
     field, body = field_of(levels, 0.03), BODIES["jackal"]
@@ -201,11 +189,11 @@ def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_
     known = Lattice(field, body, best)
     known.region()
     searched, expected = Lattice(field, body, best).between(start, goal), known.between(start, goal)
-    assert (searched is None) == (expected is None)
-    if searched and expected:
-        assert searched.length == pytest.approx(expected.length)
-        assert np.hypot(np.diff(searched.poses.x), np.diff(searched.poses.y)).max() < 0.1
-        assert all(searched.poses.stands)
+    assert searched is not None
+    assert expected is not None
+    assert searched.length == pytest.approx(expected.length)
+    assert np.hypot(np.diff(searched.poses.x), np.diff(searched.poses.y)).max() < 0.1
+    assert all(searched.poses.stands)
 
 
 @pytest.mark.slow

@@ -26,10 +26,12 @@ FOLDERS = [name for name in capabilities() if (ROOT / "src" / "rsegen" / name).i
 _OF_ALL = ("bad_input", "benchmarks", "contracts", "crash", "docs", "examples", "fuzz", "golden", "plugins", "real")
 """Folders of tests that ask something of the whole, and so need all of it."""
 
-# The last two are what `make site` is writing at the same time.
-_LEFT_OUT = shutil.ignore_patterns(
-    "*.pyc", "__pycache__", "node_modules", "test_house.py", "test_doctor.py", "course.html", ".rsegen"
-)
+_UNUSED = ("node_modules", "test_house.py", "test_doctor.py", "course.html", ".rsegen")
+"""The last two are what `make site` is writing at the same time."""
+
+_LEFT_OUT = shutil.ignore_patterns("*.pyc", "__pycache__", *_UNUSED)
+_LEFT_OUT_OF_SOURCES = shutil.ignore_patterns("*.pyc.*", *_UNUSED)
+"""Bytecode is copied, as to compile the sources takes longer than to use them; not that which is being written."""
 
 
 def with_dependants(names: Iterable[str]) -> set[str]:
@@ -42,7 +44,7 @@ def with_dependants(names: Iterable[str]) -> set[str]:
 
 def sources_without(names: Collection[str], folder: Path) -> Path:
     """Copy the sources into a folder without some capabilities; return the copy's root."""
-    shutil.copytree(ROOT / "src", folder / "src", ignore=_LEFT_OUT)
+    shutil.copytree(ROOT / "src", folder / "src", ignore=_LEFT_OUT_OF_SOURCES)
     for name in names:
         shutil.rmtree(folder / "src" / "rsegen" / name)
     return folder

@@ -53,6 +53,7 @@ def test_all_timber_is_used_that_can_be(inventory: tuple[int, ...], max_step: in
     st.none() | st.sampled_from([(10.0, 10.0, 20.0), (20.0, 10.0, 0.0)]),
     st.integers(0, 99),
 )
+@settings(max_examples=12)
 def test_every_constraint_is_met(
     owned: list[int], max_step: int, boundary: str, robot: tuple[float, float, float] | None, seed: int
 ) -> None:
@@ -73,11 +74,10 @@ def test_every_constraint_is_met(
     ("inventory", "least"), [((27, 33, 21, 10), 91), ((31, 28, 9, 30), 70), ((40, 33, 21, 10), 95)]
 )
 def test_the_way_of_a_robot_costs_few_blocks(inventory: tuple[int, ...], least: int) -> None:
-    for seed in range(2):
-        made = recipe(seed, inventory=inventory, max_step=1, crossable_by=(10.0, 10.0, 53.0))
-        field = rsegen.build(made)
-        assert blocks_used(field) >= least
-        assert all(made.crosser.crossing(field, axis).crosses for axis in (0, 1) if made.crosser)
+    made = recipe(0, inventory=inventory, max_step=1, crossable_by=(10.0, 10.0, 53.0))
+    field = rsegen.build(made)
+    assert blocks_used(field) >= least
+    assert all(made.crosser.crossing(field, axis).crosses for axis in (0, 1) if made.crosser)
 
 
 def test_a_map_that_loses_no_block_to_its_largest_step_stays_as_it_is() -> None:
