@@ -48,8 +48,9 @@ def corners(grey: np.ndarray) -> float:
 
 def seen_in_gazebo(look: str, folder: Path) -> np.ndarray:
     output = folder / look
-    drive = {"simulator": "classic", "duration": 0.2, "contacts": False, "predict": False}
-    rsegen.drive(plateau(look), **drive, picture=True, output=output)
+    rsegen.drive(
+        plateau(look), simulator="classic", duration=1, contacts=False, predict=False, picture=True, output=output
+    )
     return np.asarray(cv2.imread(str(output / "picture.jpg"), cv2.IMREAD_GRAYSCALE))
 
 
