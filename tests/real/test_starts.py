@@ -18,11 +18,11 @@ def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(gazebo: Insta
     if gazebo.backend != "classic":
         pytest.skip("what the limits of spots were tried in is Gazebo Classic")
     scene = world_of("framed-2x2").scene()
-    runs = robot_runs(scene.field, ROBOTS["jackal"], "random", count=3, seed=2)
-    with world_of(scene).on_disk() as world:
-        tracks = record_drive(gazebo, world, runs, 2.0, contacts=False).trajectories
-    assert len(tracks) == 3
-    assert max(np.degrees(track.tilt).max() for track in tracks.values()) < 45
+    for seed in (2, 3):
+        (run,) = robot_runs(scene.field, ROBOTS["jackal"], "random", count=1, seed=seed)
+        with world_of(scene).on_disk() as world:
+            track = record_drive(gazebo, world, [run], 2.0, contacts=False).trajectories[run.name]
+        assert np.degrees(track.tilt).max() < 45
 
 
 @pytest.mark.long(reason="a drive per robot")
