@@ -78,13 +78,13 @@ def _forced(
     return Run(name=f"{name} --force", command=[*command, "--force"], first=first, depth=depth, rare=rare)
 
 
-def _maps(name: str, command: Sequence[str], damage: Sequence[str]) -> list[Run]:
+def _maps(name: str, command: Sequence[str], damage: Sequence[str], *, rare: bool = False) -> list[Run]:
     """A command that makes maps, alone, over those of another seed, and resumed after a part was removed."""
     mine, other = [*command, *_SEED, *_FOLDER], [*command, *_OTHER_SEED, *_FOLDER]
     return [
         Run(name=name, command=mine),
-        _forced(name, mine, [other]),
-        Run(name=f"{name} --resume", command=[*mine, "--resume"], first=[mine], damage=_removed(*damage)),
+        _forced(name, mine, [other], rare=rare),
+        Run(name=f"{name} --resume", command=[*mine, "--resume"], first=[mine], damage=_removed(*damage), rare=rare),
     ]
 
 
@@ -163,7 +163,7 @@ RUNS: Sequence[Run] = (
         ],
         rare=True,
     ),
-    *_maps("series", ["series", *_SMALL, "--maps", "3", "--workers", "1"], ["rse_0001", "series.csv"]),
+    *_maps("series", ["series", *_SMALL, "--maps", "3", "--workers", "1"], ["rse_0001", "series.csv"], rare=True),
     Run(name="export", command=[*_EXPORT, *_HEIGHTMAP]),
     Run(
         name="export to worlds",

@@ -28,11 +28,13 @@ from tests.crash.injection import Control, Injection, mapped_control
 CONTROL = "RSEGEN_CRASH_CONTROL"
 _LONGEST = 600
 _PR_SET_CHILD_SUBREAPER = 36
-_LEFT_OUT = re.compile(r"rsegen\.(__main__|gui|learning|simulation)\b").match
+_LEFT_OUT = re.compile(r"rsegen\.(__main__|learning(?!\.commands)|mujoco\.(kernels|many_worlds)|training)\b").match
+"""Modules that no command of the trials needs, with PyTorch and Warp."""
 _HEAVY = (
     *(f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf", "svg")),
-    *("matplotlib.figure", "mpl_toolkits.mplot3d", "PIL.PngImagePlugin", "trimesh", "tqdm", "multiprocessing.spawn"),
+    *("matplotlib.figure", "mpl_toolkits.mplot3d", "PIL.PngImagePlugin", "tqdm", "multiprocessing.spawn"),
 )
+"""Modules that functions import when they are called."""
 
 
 class _Child:

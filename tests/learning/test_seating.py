@@ -175,7 +175,7 @@ GO1 = Path(sys.prefix) / "mjlab" / "mjlab" / "asset_zoo" / "robots" / "unitree_g
 def test_no_foot_of_go1_is_in_a_block_on_any_tile() -> None:
     if not GO1.is_file():
         pytest.skip(f"no mjlab in {GO1.parents[5]}: make learners puts it there")
-    course = rsegen.Terrain(recipes=RECIPE, rows=5, columns=4, border=10)
+    course = rsegen.Terrain(recipes=RECIPE, rows=3, columns=2, border=10)
     spec = mujoco.MjSpec.from_file(str(GO1))
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
     add_map(spec, rsegen.compose(course.recipe))
@@ -188,4 +188,4 @@ def test_no_foot_of_go1_is_in_a_block_on_any_tile() -> None:
         seat(model, data, ground)
         assert not (data.contact.dist < 0).any()
         rested += seat(model, data, ground, seconds=5)
-    assert rested > 15
+    assert rested > 4

@@ -91,7 +91,7 @@ WHEEL = """\
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mu", [0.5, 0.8, 1.0])
+@pytest.mark.parametrize("mu", [0.5, 1.0])
 def test_wheels_climb_what_statics_let_them(mu: float, tmp_path: Path) -> None:
     """A wheel of radius r rolls up h = r (1 - 1 / sqrt(1 + mu^2)) at most: the force on the edge is within its cone.
 
@@ -112,11 +112,13 @@ def climbed(robot: str, height: float, motors: str = "reaction", speed: float = 
     world = world_of(model, step_of(height), start, motors=motors)
     settled(world)
     world.drive("robot", model, speed, 0.0)
-    touched, beyond = False, -1.0 - float(model.body.low[0]) + 0.01
+    touched, beyond, places = False, -1.0 - float(model.body.low[0]) + 0.01, [start.x]
     for _ in range(round(3 * (beyond - start.x) / speed / 0.1)):
         contacts = world.step_with_contacts(100)
         touched |= any("step_0000" in name for contact in contacts for name in contact.collisions)
-        if world.poses()["robot"].x > beyond:
+        places.append(world.poses()["robot"].x)
+        is_stuck = touched and places[-1] - places[-21:][0] < 0.01 * speed  # in two seconds
+        if places[-1] > beyond or (is_stuck and len(places) > 20):
             break
     assert touched
     at = world.poses()["robot"]
@@ -178,7 +180,7 @@ def test_robots_touch_each_other() -> None:
 DRIVEN = """
 import json, rsegen
 recipe = rsegen.Recipe(name="same", seed=7, boundary="none", unit_cm=4, obstacles=[rsegen.Random(levels=3)])
-result = rsegen.drive(recipe, robot="crawler", route="straight", duration=3, seed=1)
+result = rsegen.drive(recipe, robot="crawler", route="straight", duration=3, seed=1, predict=False)
 print(json.dumps([row.hex() for row in result.robots[0].trajectory.rows.ravel().tolist()]))
 """
 
@@ -196,7 +198,7 @@ def test_the_same_drive_gives_the_same_bits_in_every_process() -> None:
 
 def test_a_tracked_robot_crosses_a_field_of_blocks() -> None:
     recipe = rsegen.Recipe(name="low", seed=5, boundary="none", unit_cm=3, obstacles=[rsegen.NormalRandom(levels=3)])
-    result = rsegen.drive(recipe, robot="crawler", seed=1)
+    result = rsegen.drive(recipe, robot="crawler", seed=1, predict=False)
     (robot,) = result.robots
     assert result.simulator.startswith("MuJoCo ")
     assert robot.metrics.crossed is not None
@@ -230,7 +232,7 @@ def test_belts_stall_while_they_are_pressed_with_many_weights(
 def test_a_drive_in_a_pit_has_a_result(seed: int) -> None:
     """On this map a track was wedged in the pit after four seconds, and pulled the robot into a block."""
     (robot,) = rsegen.drive(
-        load(EXAMPLES["stairs-and-stones"]), robot="crawler", route="random", duration=6, seed=seed
+        load(EXAMPLES["stairs-and-stones"]), robot="crawler", route="random", duration=6, seed=seed, predict=False
     ).robots
     assert robot.metrics.seconds == pytest.approx(6)
     assert robot.metrics.touched

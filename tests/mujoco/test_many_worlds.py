@@ -33,7 +33,7 @@ def _on_blocks(robot: str, unit: float) -> MujocoWorld:
     return world_of(robot, compose(recipe), Pose(x=-0.51 - reach, y=0.03, z=0.005, yaw=0.1))
 
 
-@pytest.mark.parametrize(("robot", "unit", "steps"), [("crawler", 2, 600), ("jackal", 2, 500), ("burger", 0.3, 900)])
+@pytest.mark.parametrize(("robot", "unit", "steps"), [("crawler", 2, 600), ("jackal", 2, 500)])
 def test_robots_drive_over_blocks_as_in_one_world(robot: str, unit: float, steps: int) -> None:
     one, many = _on_blocks(robot, unit), many_worlds.ManyWorlds(_on_blocks(robot, unit), WORLDS, device="cpu")
     known, (start, *_) = robot_of(robot), many.poses()

@@ -16,6 +16,8 @@ from tests.real.maps import Map
 
 DROP = 0.01
 """Metres that every body falls."""
+FALL = 600
+"""Steps of a millisecond after which they rest: they fall for 45 of them."""
 
 Spot = tuple[str, str, float, float, float]
 """Name and shape of a body, and the middle of the top of the cell that it falls on."""
@@ -23,17 +25,21 @@ Spot = tuple[str, str, float, float, float]
 
 def falling(made: Map) -> Path:
     """The world of a map with bodies above it."""
-    bodies = (body(name, shape, (x, y, top + DROP)) for name, shape, x, y, top in spots(made.scene.field))
-    return furnished(made.world, bodies)
+    return furnished(made.world, bodies(made.scene.field))
 
 
-def judge(field: rsegen.StepField, poses: Mapping[str, Pose]) -> None:
+def bodies(field: rsegen.StepField, east: float = 0.0, name: str = "") -> Iterator[str]:
+    """Bodies above a field whose middle is east of the origin, metres; their names begin with a name."""
+    return (body(name + spot, shape, (x + east, y, top + DROP)) for spot, shape, x, y, top in spots(field))
+
+
+def judge(field: rsegen.StepField, poses: Mapping[str, Pose], east: float = 0.0, name: str = "") -> None:
     """Each body must be on the top of its cell."""
     inside = (field.block_width - SIZE) / 2
-    for name, _, x, y, top in spots(field):
-        at = poses[name]
-        assert at.z == pytest.approx(top + SIZE / 2, abs=0.001), name
-        assert (at.x, at.y) == pytest.approx((x, y), abs=inside), name
+    for spot, _, x, y, top in spots(field):
+        at = poses[name + spot]
+        assert at.z == pytest.approx(top + SIZE / 2, abs=0.001), name + spot
+        assert (at.x, at.y) == pytest.approx((x + east, y), abs=inside), name + spot
 
 
 def spots(field: rsegen.StepField) -> Iterator[Spot]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import cycle, product
@@ -45,6 +46,20 @@ def variants() -> Iterator[rsegen.Recipe]:
             seed=1,
             obstacles=(random,),
         )
+
+
+def few(recipes: Iterable[rsegen.Recipe]) -> list[rsegen.Recipe]:
+    """Return the recipes with every mesh type, boundary and look once, or of few sorts of friction."""
+    return [recipe for recipe in recipes if map_name(recipe) in FEW]
+
+
+def example_of_each_shape() -> Iterator[rsegen.Recipe]:
+    """Return the smallest of the examples in each shape."""
+    found = sorted(examples(), key=lambda recipe: math.prod(recipe.chunks) * recipe.chunk_size**2)
+    taken = {
+        (recipe.mesh, recipe.collision, recipe.tile, recipe.simulator, recipe.look): recipe for recipe in found[::-1]
+    }
+    return iter(taken.values())
 
 
 def textured() -> Iterator[rsegen.Recipe]:
@@ -146,7 +161,7 @@ FEW = {
     *("single-friction_0000", "pallet-levels_0000", "multi-wood_0000"),
     *("slippery-default_0000", "slippery-collision-boxes_0000", "slippery-mesh_type-multi_0000"),
 }
-"""Maps of which `make test` has the simulators judge one each: every mesh type, boundary and look, and friction."""
+"""Maps that stand for others: every mesh type, boundary and look, and friction."""
 
 
 def few_short(recipes: Iterable[rsegen.Recipe]) -> list[Any]:

@@ -31,20 +31,20 @@ from tests.support.long import long_unless
 TOUCHED = [shape for shape in SHAPES if "look" not in shape]
 """The shapes in which robots touch something else."""
 HEADINGS = (0, 20, 45)
-SECONDS = 10
+SECONDS = 5
 WIDTH = 0.1
 UNIT = 0.01
 FLOOR = 2
 """Level of the lanes."""
 LEVELS = 5
-TILE = 30
+TILE = 16
 """Cells along each side of the square in which a lane lies."""
 LANE = 0.6
 """Metres across."""
 
 
 @pytest.mark.parametrize(
-    "shape", long_unless(lambda shape: not shape, TOUCHED, reason="robots for 10 s per shape"), ids=shape_name
+    "shape", long_unless(lambda shape: not shape, TOUCHED, reason="a server per shape"), ids=shape_name
 )
 def test_a_robot_goes_straight_along_lanes_in_a_random_field(
     shape: Shape, gazebo_classic: Installation, tmp_path: Path
@@ -52,12 +52,8 @@ def test_a_robot_goes_straight_along_lanes_in_a_random_field(
     go_straight(shape, 1.0, gazebo_classic, tmp_path)
 
 
-@pytest.mark.long(reason="robots for 10 s per shape")
-@pytest.mark.parametrize("shape", [{}, {"simulator": "classic"}, {"collision": "boxes"}], ids=shape_name)
-def test_a_robot_goes_straight_over_a_plain_with_few_other_cells(
-    shape: Shape, gazebo_classic: Installation, tmp_path: Path
-) -> None:
-    go_straight(shape, 0.25, gazebo_classic, tmp_path)
+def test_a_robot_goes_straight_over_a_plain_with_few_other_cells(gazebo_classic: Installation, tmp_path: Path) -> None:
+    go_straight({}, 0.25, gazebo_classic, tmp_path)
 
 
 def go_straight(shape: Shape, others: float, gazebo_classic: Installation, folder: Path) -> None:
@@ -71,14 +67,6 @@ def go_straight(shape: Shape, others: float, gazebo_classic: Installation, folde
     assert max(aside) <= most, ways
 
 
-@pytest.mark.long(reason="the measure of the other lanes alone")
-def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo_classic: Installation, tmp_path: Path) -> None:
-    ways = driven(np.zeros_like(lanes(0)), gazebo_classic, tmp_path, {})
-
-    assert_full_way(ways)
-    assert max(abs(way.aside) for way in ways.values()) <= 0.0005, ways
-
-
 @pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
 @pytest.mark.parametrize("shape", [{}, {"mesh": "watertight"}], ids=shape_name)
 def test_a_burger_goes_straight_over_equal_blocks_in_sim(
@@ -87,33 +75,33 @@ def test_a_burger_goes_straight_over_equal_blocks_in_sim(
     ways = driven_in_sim(lanes(others), gazebo_sim, tmp_path, shape)
 
     assert_full_way(ways)
-    assert max(abs(way.aside) for way in ways.values()) <= 0.001, ways
+    assert max(abs(way.aside) for way in ways.values()) <= 0.0005, ways
 
 
 def test_a_burger_goes_straight_on_the_bare_ground_in_sim(gazebo_sim: Installation, tmp_path: Path) -> None:
     ways = driven_in_sim(np.zeros_like(lanes(0)), gazebo_sim, tmp_path, {})
 
     assert_full_way(ways)
-    assert max(abs(way.aside) for way in ways.values()) <= 0.0001, ways
+    assert max(abs(way.aside) for way in ways.values()) <= 0.00005, ways
 
 
 def test_six_faces_a_block_lead_a_burger_astray_in_sim(gazebo_sim: Installation, tmp_path: Path) -> None:
     ways = driven_in_sim(lanes(1.0), gazebo_sim, tmp_path, {"mesh": "blocks"})
 
-    assert max(abs(way.aside) for way in ways.values()) > 0.1, ways
+    assert max(abs(way.aside) for way in ways.values()) > 0.05, ways
 
 
 def bounds(shape: Shape) -> tuple[float, float]:
-    """How far from its course a robot may be after 2.2 m on average and at worst, metres."""
+    """How far from its course a robot may be after 1.1 m on average and at worst, metres."""
     if shape.get("simulator") == "classic":
-        return 0.0005, 0.0005
-    return (0.010, 0.020) if shape.get("collision", "mesh") == "mesh" else (0.040, 0.080)
+        return 0.00025, 0.00025
+    return (0.005, 0.010) if shape.get("collision", "mesh") == "mesh" else (0.020, 0.040)
 
 
 def assert_full_way(ways: dict[int, Way]) -> None:
-    """At least 2 m, at the speed that was asked for."""
+    """At least 1 m, at the speed that was asked for."""
     for each in ways.values():
-        assert each.ahead >= 2, ways
+        assert each.ahead >= 1, ways
         assert each.ahead == pytest.approx(SPEED * SECONDS, rel=0.1), ways
 
 

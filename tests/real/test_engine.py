@@ -18,8 +18,8 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
 from rsegen.simulators.poses import Pose
 from tests.real.bodies import body, furnished, tilt
-from tests.real.falling import falling, judge
-from tests.real.maps import examples, generated, lanes, map_name, slippery, variants
+from tests.real.falling import FALL, falling, judge
+from tests.real.maps import example_of_each_shape, few, generated, lanes, map_name, slippery, variants
 from tests.support.missing import missing
 
 pytestmark = pytest.mark.long(reason="a package of 1.7 GB, scripts/gazebo-engine")
@@ -58,13 +58,13 @@ def loaded(recipes: Iterable[rsegen.Recipe]) -> list[rsegen.Recipe]:
     return [recipe for recipe in recipes if recipe.simulator == "both"]
 
 
-@pytest.mark.parametrize("recipe", loaded([*examples(), *variants()]), ids=map_name)
+@pytest.mark.parametrize("recipe", loaded([*example_of_each_shape(), *few(variants())]), ids=map_name)
 def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, engine: Engine, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
-    judge(made.scene.field, engine(falling(made), 1500))
+    judge(made.scene.field, engine(falling(made), FALL))
 
 
-@pytest.mark.parametrize("recipe", loaded(slippery()), ids=map_name)
+@pytest.mark.parametrize("recipe", loaded(few(slippery())), ids=map_name)
 def test_boxes_have_their_friction_and_meshes_that_of_the_engine(
     recipe: rsegen.Recipe, engine: Engine, tmp_path: Path
 ) -> None:

@@ -14,12 +14,12 @@ import rsegen
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators.base import Installation
 from tests.real.bodies import SIZE, body
-from tests.real.maps import every_kind, few_short, generated, map_name, textured, variants
+from tests.real.maps import every_kind, few, few_short, generated, map_name, textured, variants
 from tests.real.places import expected_places, places
 from tests.simulators.simulated import simulated
 
 
-@pytest.mark.parametrize("recipe", few_short([*textured(), every_kind()]), ids=map_name)
+@pytest.mark.parametrize("recipe", few_short([*few(textured()), every_kind()]), ids=map_name)
 def test_gazebo_loads_every_look_and_kind(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
 

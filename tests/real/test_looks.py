@@ -48,7 +48,9 @@ def corners(grey: np.ndarray) -> float:
 
 def seen_in_gazebo(look: str, folder: Path) -> np.ndarray:
     output = folder / look
-    rsegen.drive(plateau(look), simulator="classic", duration=1, contacts=False, picture=True, output=output)
+    rsegen.drive(
+        plateau(look), simulator="classic", duration=1, contacts=False, predict=False, picture=True, output=output
+    )
     return np.asarray(cv2.imread(str(output / "picture.jpg"), cv2.IMREAD_GRAYSCALE))
 
 

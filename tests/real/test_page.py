@@ -45,7 +45,7 @@ def now(host: Host, job: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
-    values = {"robot": "burger", "duration": 2, "simulator": "classic", "seed": 3}
+    values = {"robot": "burger", "duration": 2, "simulator": "classic", "seed": 3, "predict": False}
     job = runs.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: now(host, job)["state"] != "running")
     done = now(host, job)
@@ -60,7 +60,7 @@ def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
 @pytest.mark.long(reason="tests/page/test_jobs.py cancels one")
 def test_a_drive_that_is_cancelled_leaves_no_server_and_no_folder(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
-    values = {"duration": 500, "simulator": "classic"}
+    values = {"duration": 500, "simulator": "classic", "predict": False}
     before = set(psutil.Process().children(recursive=True))  # of other tests
     job = runs.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: bool(now(host, job)["done"]))

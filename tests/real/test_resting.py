@@ -11,18 +11,45 @@ from PIL import Image
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.simulators.base import Installation
-from tests.real.falling import falling, judge, spots
-from tests.real.maps import Map, examples, few_short, generated, map_name, variants
+from tests.real.falling import FALL, bodies, falling, judge, spots
+from tests.real.maps import Map, examples, few, generated, map_name, variants
 from tests.real.places import expected_places, places
 from tests.simulators.simulated import simulated
 from tests.support.long import long_unless
 
 
-@pytest.mark.parametrize("recipe", few_short([*examples(), *variants()]), ids=map_name)
+@pytest.mark.parametrize("recipe", few([*examples(), *variants()]), ids=map_name)
 def test_models_are_in_their_places_and_bodies_rest_on_their_cells(
     recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path
 ) -> None:
     bodies_rest(generated(recipe, tmp_path), gazebo)
+
+
+GROUND = """<model name="ground_plane"><static>true</static><link name="link"><collision name="collision">
+<geometry><plane><normal>0 0 1</normal><size>200 200</size></plane></geometry></collision></link></model>
+"""
+
+
+@pytest.mark.long(reason="thousands of boxes")
+def test_bodies_rest_on_every_example(gazebo: Installation, tmp_path: Path) -> None:
+    """All of them are in one world, as models by their names, one east of another."""
+    east, models, made = 0.0, [GROUND], list[tuple[Map, float]]()
+    for recipe in examples():
+        example = generated(recipe, tmp_path / "models")
+        half = example.scene.field.extent[0] / 2 + 0.5
+        made.append((example, east + half))
+        name, field = example.scene.name, example.scene.field
+        models.append(f"<include><uri>model://{name}</uri><pose>{east + half} 0 0 0 0 0</pose></include>\n")
+        models += bodies(field, east + half, f"{name} ")
+        east += 2 * half
+    world = tmp_path / "examples.world"
+    world.write_text(f'<sdf version="1.6">\n  <world name="examples">\n{"".join(models)}  </world>\n</sdf>\n')
+
+    run = simulated(gazebo, world, steps=FALL, models=tmp_path / "models")
+
+    assert not run.errors
+    for example, place in made:
+        judge(example.scene.field, run.poses, place, f"{example.scene.name} ")
 
 
 HEIGHTS = np.array([[0, 10, 20, 30], [10, 10, 40, 0], [5, 15, 25, 35]])
@@ -49,7 +76,7 @@ def test_bodies_rest_on_heights_from_elsewhere(name: str, gazebo: Installation, 
 
 def test_bodies_rest_on_the_blocks_of_an_inventory(gazebo: Installation, tmp_path: Path) -> None:
     (tmp_path / "blocks.csv").write_text("height_cm,count\n10,30\n20,20\n30,10\n40,5\n")
-    asked = ["--inventory", str(tmp_path / "blocks.csv"), "--crossable-by", "crawler", "--max-step", "2"]
+    asked = ["--inventory", str(tmp_path / "blocks.csv"), "--max-step", "2"]
 
     made = from_command(
         tmp_path / "worlds", "generate", "--obstacle", "random levels=5", "--chunk-size", "6", *asked, "--seed", "1"
@@ -70,11 +97,11 @@ def from_command(folder: Path, *arguments: str | Path) -> Map:
 
 def bodies_rest(made: Map, gazebo: Installation) -> None:
     """What falls on a few cells of every level and of the frame stays on their tops; nothing else is there."""
-    run = simulated(gazebo, falling(made), steps=1500)
+    run = simulated(gazebo, falling(made), steps=FALL)
     assert not run.errors
     judge(made.scene.field, run.poses)
-    bodies = {name for name, *_ in spots(made.scene.field)}
-    models = places({name: pose for name, pose in run.poses.items() if name not in bodies})
+    fallen = {name for name, *_ in spots(made.scene.field)}
+    models = places({name: pose for name, pose in run.poses.items() if name not in fallen})
     if (
         made.scene.recipe.simulator == "both"
     ):  # for Classic alone a map is a body, which its solver may move by nanometres

@@ -109,7 +109,11 @@ def test_nothing_is_left_after_an_exception(tmp_path: Path, mark: str) -> None:
     ("script", "word"),
     long_unless(
         {(POLITE, "SIGINT"), (A_GROUP_OF_ITS_OWN, "SIGKILL")}.__contains__,
-        product([POLITE, STUBBORN, A_GROUP_OF_ITS_OWN], ["SIGINT", "SIGTERM", "SIGKILL", "SIGHUP"]),
+        [
+            *product([POLITE], ["SIGINT", "SIGTERM", "SIGHUP"]),
+            *product([STUBBORN], ["SIGINT", "SIGKILL"]),
+            *product([A_GROUP_OF_ITS_OWN], ["SIGKILL"]),
+        ],
         reason="seconds until what does not obey is killed",
     ),
 )

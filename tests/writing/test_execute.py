@@ -184,7 +184,7 @@ def to_its_workers_too(process: int) -> None:
     ("maps", "send"),
     long_unless(
         lambda case: case[0] == 1,
-        [(0, to_its_workers_too), (1, to_it_alone), (1, to_its_workers_too), (200, to_it_alone)],
+        [(0, to_its_workers_too), (1, to_it_alone), (1, to_its_workers_too), (20, to_it_alone)],
         reason="another moment",
     ),
 )

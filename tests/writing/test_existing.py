@@ -36,7 +36,7 @@ def generated(folder: Path, *arguments: str) -> object:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """What a run that nobody stops makes."""
     folder = tmp_path_factory.mktemp("whole")
-    assert generated(folder, *LARGER, "--maps", "150") == 0
+    assert generated(folder, *LARGER, "--maps", "80") == 0
     return contents(folder)
 
 
@@ -62,27 +62,22 @@ def test_recipe_json_is_foretold(recipe: Recipe, first: int, further: int) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "workers", [pytest.param("1", marks=pytest.mark.long(reason="a run of two workers is stopped too")), "2"]
-)
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL], ids=lambda stop: stop.name)
 def test_a_run_that_was_stopped_goes_on(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], whole: dict[str, bytes], stop: signal.Signals, workers: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], whole: dict[str, bytes], stop: signal.Signals
 ) -> None:
-    maps = [*LARGER, "--maps", "150", "--workers", workers]
+    maps = [*LARGER, "--maps", "80", "--workers", "2"]
     process = started("generate", *OBSTACLE, *maps, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 20)
     process.send_signal(stop)
     _, err = ended(process)
     before = stamps(tmp_path / "out")
-    assert stop is signal.SIGKILL or f"stopped; {len(before)} of 150 maps are complete" in err
+    assert stop is signal.SIGKILL or f"stopped; {len(before)} of 80 maps are complete" in err
     assert generated(tmp_path / "out", *maps, "--resume") == 0
     after = stamps(tmp_path / "out")
     kept = {name for name in before if not name.startswith(".")}
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
-    assert (
-        f"{len(kept)} maps already exist, seed 7\n{150 - len(kept)} maps of 40 x 40 blocks" in capsys.readouterr().out
-    )
+    assert f"{len(kept)} maps already exist, seed 7\n{80 - len(kept)} maps of 40 x 40 blocks" in capsys.readouterr().out
     assert hidden(tmp_path / "out") == []
     assert contents(tmp_path / "out") == whole
 

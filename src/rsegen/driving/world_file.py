@@ -26,6 +26,10 @@ _RENDERED = ("camera", "depth_camera", "rgbd_camera", "thermal_camera", "segment
 _OF_SENSORS = {"imu": "Imu", "contact": "Contact"} | dict.fromkeys(_RENDERED, "Sensors")
 """Type of a sensor -> its system."""
 
+_ANY_RATE = "100000"
+"""Updates a second that no world reaches: an empty one needs 20 microseconds for a step. Without a limit (0) a Gazebo
+Classic that is paused, as one is before, between and after its steps, would keep a processor busy."""
+
 _NAME = re.compile(r"(gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
 
@@ -71,9 +75,9 @@ def world_with_robots(
     if unthrottled:  # Gazebo Classic reads the update rate, Gazebo Sim the factor
         physics = element.find("physics")
         physics = SubElement(element, "physics", {"type": "ode"}) if physics is None else physics
-        for name in ("real_time_update_rate", "real_time_factor"):
+        for name, rate in (("real_time_update_rate", _ANY_RATE), ("real_time_factor", "0")):
             limit = physics.find(name)
-            (SubElement(physics, name) if limit is None else limit).text = "0"
+            (SubElement(physics, name) if limit is None else limit).text = rate
     return '<?xml version="1.0"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
