@@ -142,6 +142,9 @@ class _CarriedBlocks:
         to, of = (self._right, self._left) if side > 0 else (self._left, self._right)
         shift_to, shift_of = (self._shifts[1], self._shifts[0]) if side > 0 else (self._shifts[0], self._shifts[1])
         heappush(of, (side * -(place - shift_of), slope))
+        is_bound = slope == _ENOUGH
+        if is_bound:  # nothing beyond it counts: what comes over is as good as at its place, and one
+            heappush(to, (side * (place - shift_to), slope))
         while slope:
             at, change = heappop(of)
             moved = min(change, slope)
@@ -149,7 +152,8 @@ class _CarriedBlocks:
                 heappush(of, (at, change - moved))
             nearest = side * -at + shift_of
             self.cost += moved * abs(nearest - place)
-            heappush(to, (side * (nearest - shift_to), moved))
+            if not is_bound:
+                heappush(to, (side * (nearest - shift_to), moved))
             slope -= moved
 
 
