@@ -28,6 +28,7 @@ from benchmarks.agreement import (
 from rsegen.driving.many import wilson
 from rsegen.driving.recording import drive_in_steps
 from rsegen.simulators.embedded import EMBEDDED
+from tests.support.long import long_unless
 
 OUTCOME = Outcome(
     course=FRESH,
@@ -52,7 +53,9 @@ REPLAYED = [
 """A field for each robot, and for both models of motors, on which some cross and some do not, if there is one."""
 
 
-@pytest.mark.parametrize(("robot", "simulator", "unit"), REPLAYED)
+@pytest.mark.parametrize(
+    ("robot", "simulator", "unit"), long_unless(lambda case: case[0] == "jackal", REPLAYED, reason="a robot more")
+)
 def test_mujoco_ends_as_recorded(robot: str, simulator: str, unit: float) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     kept = [Outcome(**drive) for drive in loaded()["drives"]]

@@ -9,6 +9,7 @@ from benchmarks.figures import loaded
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="a run of a benchmark")
 def test_a_run_gives_every_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(datasets, "RUNS", 1)
     assert datasets.main(["20", "40"]) == 0

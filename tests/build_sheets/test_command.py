@@ -54,6 +54,7 @@ def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="one map with its sheet in make test")
 def test_generate_writes_the_sheets_of_the_command_into_every_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,6 +10,7 @@ import pytest
 from rsegen.cli.edge import main
 from rsegen.cli.parser import parser_of
 from rsegen.params.capabilities import commands
+from tests.support.long import long_unless
 
 MAPS = ["peak", "--seed", "3", "--maps", "2"]
 GENERATE = ["generate", *MAPS, "-o", "out"]
@@ -59,7 +60,11 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("commands", RUNS.values(), ids=RUNS)
+@pytest.mark.parametrize(
+    "commands",
+    long_unless(lambda runs: len(runs) > 1 or len(runs[0]) < 9, RUNS.values(), reason="a command more"),
+    ids=RUNS,
+)
 def test_a_dry_run_lists_what_the_run_does(
     commands: list[list[str]], here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

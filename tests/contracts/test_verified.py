@@ -14,6 +14,7 @@ from rsegen.input_files import JOURNAL
 from rsegen.writing.journal import read_journal
 from tests.fuzz.seeds import cloud
 from tests.support.complaints import exit_code, the_line
+from tests.support.long import long_unless
 
 RECIPE = "seed: 3\nname: field\nchunk_size: 3\nmaps: 2\nobstacles:\n  - {kind: random, levels: 3}\n"
 KINDS: dict[str, tuple[Sequence[str], Sequence[str]]] = {
@@ -48,7 +49,9 @@ KINDS: dict[str, tuple[Sequence[str], Sequence[str]]] = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", long_unless({"series", "meshes", "data set", "drive"}.__contains__, KINDS, reason="a kind of output more")
+)
 def test_a_byte_that_changes_in_any_file_is_noticed(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -12,6 +12,7 @@ from tests.crash.commands import TURNS
 from tests.crash.disks import DISKS, Disk, NotMounted
 from tests.crash.injection import missing
 from tests.crash.running import OWN, OWN_ASIDE, numbers, run
+from tests.support.long import long_unless
 
 FEW = 30
 """Trials on this machine's own disk, which have each command that is not rare; the other disks share so many."""
@@ -29,7 +30,11 @@ def test_a_run_that_is_disturbed_at_any_call_leaves_the_old_or_the_new() -> None
 
 @pytest.mark.slow
 @pytest.mark.skipif(bool(missing()), reason=missing() or "nothing is missing")
-@pytest.mark.parametrize("disk", DISKS, ids=lambda disk: disk.name)
+@pytest.mark.parametrize(
+    "disk",
+    long_unless(lambda disk: disk.name == "FUSE (bindfs)", DISKS, reason="another disk"),
+    ids=lambda disk: disk.name,
+)
 def test_a_run_that_is_disturbed_on_another_disk_leaves_the_old_or_the_new(disk: Disk) -> None:
     seed = 7 if os.environ.get("CI") == "true" else random.SystemRandom().randrange(10**6)
     try:

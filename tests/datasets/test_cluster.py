@@ -16,6 +16,7 @@ import pytest
 from rsegen.input_files import JOURNAL
 from rsegen.writing import execute
 from tests.support.complaints import OBSTACLE, exit_code, the_line
+from tests.support.long import long_unless
 from tests.support.patience import PATIENCE
 from tests.support.runs import contents, ended, started, until_it_has
 
@@ -87,7 +88,10 @@ MOST = 5
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("victim", ["client", "scheduler", "worker"])
+@pytest.mark.parametrize(
+    "victim",
+    long_unless(lambda one: one == "worker", ["client", "scheduler", "worker"], reason="another part of the cluster"),
+)
 def test_a_cluster_of_which_a_part_is_killed_at_any_moment_is_continued_to_the_same_bytes(
     victim: str, tmp_path: Path, whole: dict[str, bytes]
 ) -> None:

@@ -101,7 +101,9 @@ STOPS = {"SIGINT": end_by(signal.SIGINT), "SIGKILL": end_by(signal.SIGKILL), "a 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stop", STOPS.values(), ids=STOPS)
+@pytest.mark.parametrize(
+    "stop", long_unless(lambda stop: stop is kill_a_worker, STOPS.values(), reason="another stop"), ids=STOPS
+)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, whole: dict[str, bytes], stop: Callable[[Path], tuple[int, str]]
 ) -> None:

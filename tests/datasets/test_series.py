@@ -387,6 +387,7 @@ def test_a_plan_says_its_names_without_building() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="next to maps of generate in make test")
 def test_sheets_and_formats_are_next_to_the_worlds_of_a_series(tmp_path: Path) -> None:
     words = ["series", "peak", "--maps", "2", "--sheet", "--formats", "heightmap", "--preview", "-o", str(tmp_path)]
     assert main(words) == 0

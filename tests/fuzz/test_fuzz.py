@@ -45,6 +45,7 @@ def test_no_hostile_input_breaks_a_command() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["page", "field"])
+@pytest.mark.long(reason="by its command; make test has the same in its own process")
 def test_no_conversation_breaks_the_page_and_no_field_is_found_wrong(family: str) -> None:
     code, said = fuzz("--cases", 1, "--family", family)
     print(said)  # noqa: T201  # the seed

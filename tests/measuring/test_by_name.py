@@ -33,6 +33,7 @@ def test_every_name_is_that_of_the_table(field: StepField) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="the names of poses in make test")
 def test_every_name_of_a_robot_is_that_of_its_table() -> None:
     recipe = rsegen.Recipe(seed=1, chunk_size=5, unit_cm=2, boundary="none", obstacles=[rsegen.Random(levels=3)])
     field, jackal = rsegen.build(recipe), rsegen.robot_of("jackal")

@@ -92,6 +92,7 @@ def test_a_folder_of_maps_is_a_table_with_a_line_for_each(capsys: pytest.Capture
     assert units.split()[-3:] == ["%", "x", "x"]
 
 
+@pytest.mark.long(reason="the table itself in make test")
 def test_below_a_table_its_heads_are_explained(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     table, _, legend = printed(capsys, maps, *TEN).partition("\n\n")
     explained = legend.replace(",", "").replace(":", "").split()

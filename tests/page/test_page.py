@@ -578,6 +578,7 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
     until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
 
 
+@pytest.mark.long(reason="a rating on the page is asked for without a browser in make test")
 def test_a_rating_grows_and_a_click_on_a_trial_plays_it(chrome: Chrome, address: str) -> None:
     page = Page(chrome, address, "peak")
     page.js("state.dialog.value = { name: 'run', command: 'rate' }")

@@ -84,6 +84,7 @@ def test_other_seeds_give_other_trials_and_the_same_seed_the_same() -> None:
 
 @pytest.mark.slow
 @real
+@pytest.mark.long(reason="a cluster drives in make test")
 def test_workers_of_a_cluster_rate_alike() -> None:
     """And where there is no cluster, as the same processes make the trials."""
     here = rated("jackal", trials=8, duration=1)
@@ -117,6 +118,7 @@ def test_trials_are_drives_that_rsegen_drive_repeats(
 
 @pytest.mark.slow
 @real
+@pytest.mark.long(reason="a kind is rated in make test")
 def test_a_robot_of_a_file_is_rated_and_driven_again(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

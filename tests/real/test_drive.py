@@ -123,6 +123,7 @@ def test_no_command_tilts_a_burger_on_level_ground(gazebo: Installation) -> None
     assert robot.metrics.distance > 1
 
 
+@pytest.mark.long(reason="drives in MuJoCo are the same in make test")
 def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_otherwise(
     gazebo: Installation, tmp_path: Path
 ) -> None:
@@ -149,6 +150,7 @@ def names(folder: Path) -> set[str]:
     return {str(path) for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.long(reason="dry runs of other commands in make test")
 def test_a_dry_run_of_a_drive_names_its_files(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -221,6 +223,7 @@ def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsy
     assert robot["crossed"] is not None
 
 
+@pytest.mark.long(reason="experiments in MuJoCo go on in make test")
 def test_an_experiment_goes_on_where_it_was_stopped(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

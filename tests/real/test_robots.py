@@ -83,7 +83,7 @@ def test_wheels_stop_on_command(gazebo: Installation, tmp_path: Path) -> None:
         pytest.param("burger", [0.020], False, marks=A_COURSE_MORE),
         pytest.param("jackal", [0.050], True, marks=A_COURSE_MORE),
         ("jackal", [0.110], False),
-        ("crawler", [0.100, 0.200], True),
+        pytest.param("crawler", [0.100, 0.200], True, marks=A_COURSE_MORE),
         pytest.param("crawler", [0.400], False, marks=A_COURSE_MORE),
     ],
 )

@@ -14,6 +14,7 @@ from rsegen.errors import ParameterError
 from rsegen.page.model.actions import Action, act
 from rsegen.page.model.session import Session
 from rsegen.recipe.recipe import Recipe
+from tests.support.long import long_unless
 
 MANY, SECONDS = 2000, 5.0
 PEAK = {"kind": "peak", "levels": 3, "first": [0, 0], "last": [2, 2]}
@@ -41,7 +42,11 @@ def test_two_thousand_obstacles_are_added_within_seconds(actions: Sequence[Actio
 WRONG: Action = {"do": "add", "entry": {**PEAK, "levels": 0}}
 
 
-@pytest.mark.parametrize("before", [[], [WRONG]], ids=["valid", "beside a row that is not valid"])
+@pytest.mark.parametrize(
+    "before",
+    long_unless(bool, [[], [WRONG]], reason="a valid list too"),
+    ids=["valid", "beside a row that is not valid"],
+)
 @pytest.mark.parametrize("row", [-1, 0], ids=["each a row of its own", "into one row"])
 def test_a_thousand_strokes_are_painted_within_seconds(row: int, before: Sequence[Action]) -> None:
     """Each row is checked once, whatever was painted before it."""

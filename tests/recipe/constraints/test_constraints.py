@@ -30,6 +30,7 @@ from rsegen.robots.base import ROBOTS
 from rsegen.standing import kinds, ways
 from rsegen.standing.lanes import straight, straight_lane
 from tests.support.complaints import the_line
+from tests.support.long import long_unless
 from tests.support.strategies import fields, recipes
 
 BURGER, CRAWLER = (1, 1, 17.8), (20, 20, 53)
@@ -242,7 +243,12 @@ def test_a_file_that_is_no_inventory(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "unit_cm", "levels", "side"), [("burger", 1, 4, 5), ("jackal", 3, 5, 6), ("crawler", 7, 6, 6)]
+    ("kind", "unit_cm", "levels", "side"),
+    long_unless(
+        lambda case: case[0] == "jackal",
+        [("burger", 1, 4, 5), ("jackal", 3, 5, 6), ("crawler", 7, 6, 6)],
+        reason="a robot more",
+    ),
 )
 def test_a_robot_crosses_the_maps_that_were_made_for_it(kind: str, unit_cm: float, levels: int, side: int) -> None:
     """It does on few of them as they were designed; and as few blocks are lowered as one lane and another one have."""
@@ -273,6 +279,7 @@ def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="lanes are lowered in make test")
 def test_a_robot_that_climbs_no_block_gets_level_lanes() -> None:
     made = recipe(boundary="none", chunk_size=5, crossable_by="burger")
     report = constraint_report(rsegen.compose(made))["crossable_by"]

@@ -10,6 +10,7 @@ from rsegen import Random, Recipe
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import refilled, used
 from rsegen.recipe.constraints.meeting import crossing_caps
+from tests.support.long import long_unless
 
 STOCK = (27, 33, 21, 10)
 
@@ -25,7 +26,7 @@ def recipe(seed: int, climb: float) -> Recipe:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("climb", [5.0, 10.0])
+@pytest.mark.parametrize("climb", long_unless(lambda climb: climb > 5, [5.0, 10.0], reason="a lower step"))
 def test_more_blocks_are_used_and_the_robot_still_crosses(climb: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over ten maps; of none more blocks than the stock has."""
     found = [rsegen.build(recipe(seed, climb), 0) for seed in range(10)]
