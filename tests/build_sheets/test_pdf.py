@@ -87,7 +87,7 @@ RECIPES = {
     "real": load(EXAMPLES["red-diagonal-pallet"]),
 }
 EVERY = pytest.mark.parametrize(
-    "name", long_unless({"framed", "outer", "twenty"}.__contains__, RECIPES, reason="a second per sheet")
+    "name", long_unless({"framed", "twenty"}.__contains__, RECIPES, reason="a second per sheet")
 )
 
 

@@ -24,6 +24,7 @@ from rsegen.params.capabilities import (
     public_names,
 )
 from tests.support.deletion import FOLDERS, environment, sources_without, with_dependants
+from tests.support.long import long_unless
 
 HOUSE = Path(rsegen.__file__).parent
 
@@ -121,7 +122,12 @@ print(json.dumps({
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*FOLDERS, "all"])
+@pytest.mark.parametrize(
+    "name",
+    long_unless(
+        {"page", "robots", "mujoco", "formats", "all"}.__contains__, [*FOLDERS, "all"], reason="another capability"
+    ),
+)
 def test_what_is_left_works_without_a_capability(name: str, tmp_path: Path) -> None:
     gone = set(FOLDERS) if name == "all" else with_dependants([name])
     copy = sources_without(gone, tmp_path / "copy")

@@ -52,6 +52,7 @@ def kill_a_worker(parent: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="a worker is killed at any moment in make test")
 def test_a_worker_that_is_killed_costs_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"
     process = started(*MANY, "--workers", "2", "--scheduler", "local", "-o", folder)

@@ -36,12 +36,14 @@ def blocks(page: Path, language: str) -> list[str]:
 ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md", "training.md"}
 """Pages whose programs have tests of their own below."""
 LONG = {
+    "certainty.md": "a robot tries many ways over a large map",
     "constraints.md": "tests/recipe/constraints has its recipes",
     "datasets.md": "tests/writing has its commands",
     "difficulty.md": "tests/recipe has its commands",
     "formats.md": "tests/formats has every format",
     "README.md": "a robot looks for its ways over several maps",
     "metrics.md": "a robot looks for its ways over several maps",
+    "rating.md": "tests/rating has its commands",
     "scan.md": "tests/scanning/test_scan_command.py has its commands",
     "sheet.md": "tests/build_sheets has its commands",
     "tutorial.md": "a robot looks for its ways over several maps",

@@ -121,6 +121,7 @@ def test_a_drive_is_the_same_with_pictures(cart: Path, tmp_path: Path) -> None:
     assert (again.image, again.video) == (pictured.image, pictured.video)
 
 
+@pytest.mark.long(reason="one robot in make test")
 def test_several_robots_are_in_one_picture(tmp_path: Path) -> None:
     given: dict[str, Any] = {"duration": 0.5, "seed": 3, "simulator": "mujoco", "predict": False, "picture": True}
     one, two = (rsegen.drive(RECIPE, robots=number, output=tmp_path / str(number), **given) for number in (1, 2))

@@ -22,6 +22,7 @@ from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.embedded import EMBEDDED
+from tests.support.long import long_unless
 
 pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
 
@@ -57,7 +58,9 @@ def straight(scene: Scene, robot: str = "burger") -> Prediction:
     return predictor().predict(scene, run)
 
 
-@pytest.mark.parametrize("robot", ["burger", "crawler"])
+@pytest.mark.parametrize(
+    "robot", long_unless(lambda robot: robot == "burger", ["burger", "crawler"], reason="another robot")
+)
 def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
     crosses, held = straight(FLOOR, robot), straight(WALL, robot)
     assert (crosses.crossed, crosses.drives, held.crossed, held.drives) == (FIRST, FIRST, 0, FIRST)

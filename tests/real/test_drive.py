@@ -163,6 +163,7 @@ def test_a_dry_run_of_a_drive_names_its_files(
     assert set(fates["write"]) == names(tmp_path / "out")
 
 
+@pytest.mark.long(reason="one length of a drive")
 def test_a_rest_that_is_less_than_a_step_is_left_out(
     gazebo_classic: Installation, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -52,6 +52,7 @@ def test_a_robot_goes_straight_along_lanes_in_a_random_field(
     go_straight(shape, 1.0, gazebo_classic, tmp_path)
 
 
+@pytest.mark.long(reason="a random field in make test")
 def test_a_robot_goes_straight_over_a_plain_with_few_other_cells(gazebo_classic: Installation, tmp_path: Path) -> None:
     go_straight({}, 0.25, gazebo_classic, tmp_path)
 

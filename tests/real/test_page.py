@@ -43,6 +43,7 @@ def now(host: Host, job: dict[str, Any]) -> dict[str, Any]:
     return next(each for each in host.jobs.listed() if each["id"] == job["id"])
 
 
+@pytest.mark.long(reason="a drive in MuJoCo is played in make test")
 def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
     values = {"robot": "burger", "duration": 2, "simulator": "classic", "seed": 3, "predict": False}

@@ -20,6 +20,7 @@ from rsegen.obstacles.base import Shaped
 from rsegen.params.sorts import ANYWHERE, Cell
 from rsegen.params.streams import Streams, generator
 from rsegen.recipe.examples import EXAMPLES
+from tests.support.long import long_unless
 from tests.support.strategies import SEEDS, recipes
 
 FAR = (0, 3, 2, 5000, 2**62, 3)
@@ -90,10 +91,20 @@ def test_many_maps_at_their_difficulties_and_steps_equal_maps_built_one_by_one(r
     assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
 
 
+DRAWN: dict[str, Any] = {"first": "random", "last": "random"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", list(rsegen.KINDS))
 @pytest.mark.parametrize("blend", ["replace", "max", "add", "min"])
-@pytest.mark.parametrize("ends", [{}, {"first": "random", "last": "random"}, {"first": (2, "random"), "last": (2, 5)}])
+@pytest.mark.parametrize(
+    "ends",
+    long_unless(
+        lambda ends: ends != DRAWN,
+        [{}, DRAWN, {"first": (2, "random"), "last": (2, 5)}],
+        reason="ends of which a half is drawn in make test",
+    ),
+)
 def test_every_kind_with_drawn_ends_and_every_blend(kind: str, blend: str, ends: dict[str, Any]) -> None:
     obstacle = rsegen.KINDS[kind](levels=5, softness=40, blend=blend, **ends)
     recipe = Recipe(seed=11, chunk_size=6, chunks=(2, 1), ground_level=4, obstacles=[Random(levels=4), obstacle])

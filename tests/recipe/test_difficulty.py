@@ -137,6 +137,7 @@ def test_a_floor_is_in_two_parts_at_the_most() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="workers and --resume of other maps in make test")
 def test_workers_and_resume_make_the_same_bytes(tmp_path: Path) -> None:
     recipe = replace(SMALL["normal random"], difficulty=0.37, maps=300, chunks=(2, 2))
     one, more = (generate(recipe, tmp_path / str(workers), workers=workers) for workers in (1, 2))

@@ -119,6 +119,7 @@ def test_shapes_that_are_not_known_are_named_and_a_robot_without_any_is_refused(
         rsegen.robot_picture(model(tmp_path))
 
 
+@pytest.mark.long(reason="the files of other pictures in make test")
 def test_the_file_is_written_as_any_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "burger.png"
     assert main(["robot", "burger", "--picture", str(out)]) == 0

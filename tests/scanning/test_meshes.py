@@ -13,6 +13,7 @@ import rsegen
 from rsegen.field.stepfield import Array, Ints
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.scanning.meshes import _Raster, _spread, seen_from_above
+from tests.support.long import long_unless
 
 LEVELS = np.random.default_rng(11).integers(0, 5, (8, 7))
 
@@ -88,7 +89,12 @@ def test_the_levels_of_a_mesh_come_back(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "kind"), [("figure-7", "merged"), ("nist-patterns", "merged"), ("five-pallet-dash", "watertight")]
+    ("name", "kind"),
+    long_unless(
+        lambda case: case[0] == "nist-patterns",
+        [("figure-7", "merged"), ("nist-patterns", "merged"), ("five-pallet-dash", "watertight")],
+        reason="another example",
+    ),
 )
 def test_a_mesh_of_an_example_is_scanned_as_what_it_was_made_of(name: str, kind: str, tmp_path: Path) -> None:
     recipe = rsegen.load(EXAMPLES[name])

@@ -303,6 +303,7 @@ def test_the_roughness_of_ways_is_that_of_their_cells() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="frames that hold a robot are refused in ratings in make test")
 def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
     with pytest.raises(rsegen.UserError, match="crossable_by: burger cannot cross frames of 10 cm; use boundary"):
         rsegen.build(recipe(chunk_size=5, crossable_by="burger"))
