@@ -1,6 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: a quarter of an hour on two cores
-# make test-all    these and the long tests in one run, as CI runs them: half an hour to three quarters on two cores
+# make test-all    these and the long tests in one run: half an hour to three quarters on two cores
 # make test-fast   the tests without a simulator, a browser and all that is slow: four minutes on two cores; WHAT=scanning
 #               those of one folder of src/rsegen, WHAT="scanning heights" of two
 # make deletions   deletes each capability in turn, in a copy, and runs the fast tests that are left; WHAT=scanning for one of them
