@@ -68,9 +68,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-def pytest_report_header(config: pytest.Config) -> str:
+def pytest_report_header(config: pytest.Config) -> list[str]:
     share = config.getoption("long_share")
-    return f"long tests: part {_drawn_part(share)} of {share}, drawn by the commit" if share else ""
+    return [f"long tests: part {_drawn_part(share)} of {share}, drawn by the commit"] if share else []
 
 
 @cache

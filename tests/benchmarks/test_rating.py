@@ -40,7 +40,7 @@ def test_a_simulated_robot_crosses_as_often_as_its_curve_says() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.long(reason="two hundred ratings")
+@pytest.mark.long(reason="thirty ratings")
 def test_most_intervals_hold_the_truth() -> None:
     held, _, errors, trials = zip(
         *(rating._simulated_run(rating.CURVES[1], 1000 + run) for run in range(30)), strict=True

@@ -84,7 +84,6 @@ def test_other_seeds_give_other_trials_and_the_same_seed_the_same() -> None:
 
 @pytest.mark.slow
 @real
-@pytest.mark.long(reason="a cluster drives in make test")
 def test_workers_of_a_cluster_rate_alike() -> None:
     """And where there is no cluster, as the same processes make the trials."""
     here = rated("jackal", trials=8, duration=1)

@@ -224,7 +224,6 @@ def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsy
     assert robot["crossed"] is not None
 
 
-@pytest.mark.long(reason="experiments in MuJoCo go on in make test")
 def test_an_experiment_goes_on_where_it_was_stopped(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

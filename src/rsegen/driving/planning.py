@@ -56,8 +56,8 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
     lattice = Lattice(scene.field, robot.body, best, partial(report_share, "a way across"))
     for way in _ways(lattice, scene, robot):
         (run,) = runs_along(scene.field, robot, way)
+        surest = max((one.probability for one, _ in tried), default=0.0)
         try:
-            surest = max((one.probability for one, _ in tried), default=0.0)
             found = predictor.tried(scene, run, predictor.failures_below(surest, _FAILURES))
         except SimulatorFailed as error:
             failure = error

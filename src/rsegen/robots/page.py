@@ -182,8 +182,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
 
 def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
     """Yield the boxes around the parts of a body, all of them or those of a link."""
-    surfaces = np.split(body.surface, body.part_of_surface.searchsorted(np.arange(1, len(body.parts))))
-    for part, surface in zip(body.parts, surfaces, strict=True):
+    for part, surface in zip(body.parts, body.by_part(body.surface), strict=True):
         if link not in (None, part.name.rpartition("::")[0]) or not len(surface):
             continue
         pose = np.eye(4)

@@ -93,12 +93,11 @@ def stepped_lines(scan: Scan) -> SteppedLines:
     """
     tops, sure = scan.tops, scan.confidence >= SURE
     stepped = seen = touching = 0
-    for levels, known in ((tops, sure), (tops.T, sure.T)):
+    for levels, known, steps in zip((tops, tops.T), (sure, sure.T), steps_by_line(scan), strict=True):
         pairs = known[1:] & known[:-1]
-        steps = ((levels[1:] != levels[:-1]) & pairs).sum(axis=1)
         of_line = pairs.sum(axis=1)
         seen += int((of_line > 0).sum())
-        stepped += int((steps >= np.clip(_OF_SHORT_LINE * of_line, 1, _OF_LINE)).sum())
+        stepped += int((steps[1:-1] >= np.clip(_OF_SHORT_LINE * of_line, 1, _OF_LINE)).sum())
         touching += int(((levels[1:] > 0) & (levels[:-1] > 0) & pairs).sum())
     return SteppedLines(stepped, seen, not touching)
 

@@ -219,6 +219,10 @@ class Body:
         """Length of the body, metres."""
         return float(self.high[0] - self.low[0])
 
+    def by_part(self, surface: Array) -> list[Array]:
+        """Return the rows of `surface`, or of it where the robot stands, of each part."""
+        return np.split(surface, self.part_of_surface.searchsorted(np.arange(1, len(self.parts))))
+
     @property
     def drives(self) -> Mask:
         """Mask of the samples that are driven, (n,)."""

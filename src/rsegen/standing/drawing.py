@@ -133,8 +133,7 @@ def silhouettes(
 
     project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
     """
-    placed = _placed(body, rests)
-    parts = np.split(placed, body.part_of_surface.searchsorted(np.arange(1, len(body.parts))))
+    parts = body.by_part(_placed(body, rests))
     for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
         yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
 

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -242,6 +242,11 @@ class Lattice:
         free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
         return places[free], np.ravel_multi_index((on_i[free], on_j[free], k[free]), self.moves.shape)
 
+    @cached_property
+    def _all_moves(self) -> tuple[Ints, Ints]:
+        """The places from which moves lead on, and those to which they lead."""
+        return self._moves_from(np.arange(self.moves.size))
+
     def _drive_from(self, places: Ints) -> None:
         """Find the moves from places."""
         places = places[~self._is_driven.ravel()[places]]
@@ -307,7 +312,7 @@ class Lattice:
         Of several that are as large it is that with the first place. A move is driven only if it may change the set.
         """
         self._turn_everywhere()
-        tails, heads = self._moves_from(np.arange(self.moves.size))
+        tails, heads = self._all_moves
         able = self._stands.ravel()[tails] & self._stands.ravel()[heads]
         tails, heads = tails[able], heads[able]
         while True:
@@ -543,7 +548,7 @@ class Lattice:
 
         With the length of each move, and the worst on it, or less; a turn moves its sides.
         """
-        tails, heads = self._moves_from(np.arange(self.moves.size))
+        tails, heads = self._all_moves
         fails = (self._is_settled & ~self._stands).ravel()
         least = np.where(fails, np.inf, self._worst_of_places.ravel())
         leads_to, hoped = np.full(self.moves.size, -1), np.full(self.moves.size, np.inf)
