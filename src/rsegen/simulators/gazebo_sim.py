@@ -386,14 +386,15 @@ class SimWorld(LiveWorld):
         self._stopped = None
         self.client.wait_for_message(self._topic("stats"), lambda message: bool(message.get("paused")) == paused)
 
-    def _poses(self, topic: str) -> dict[int, dict[str, Any]]:
-        """Return the poses in a topic by the ids of their entities, not before the end of our last step."""
+    def _poses(self, topic: str) -> dict[int, bytes]:
+        """Return the messages Pose in a topic by the ids of their entities, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
         return _by_id(self.client.wait_for_message(self._topic(topic), lambda message: _stamp(message) >= reached))
 
-    def _by_name(self, poses: Mapping[int, Mapping[str, Any]]) -> dict[str, Pose]:
+    def _by_name(self, poses: Mapping[int, bytes]) -> dict[str, Pose]:
         """Return poses by the names of their models, of those that are known."""
-        return {name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses}
+        known = {name: poses[entity] for entity, name in self._names.items() if entity in poses}
+        return {name: pose_of(message) for name, content in known.items() for message in _of_type("Pose", content)}
 
     def _models(self) -> dict[int, str]:
         """Return the names of the models in the scene by their ids."""
@@ -450,8 +451,16 @@ def _steps_and_time(stats: Mapping[str, Any]) -> tuple[int, int]:
     return stats.get("iterations", 0), nanoseconds(stats.get("sim_time"))
 
 
-def _by_id(message: Mapping[str, Any]) -> dict[int, dict[str, Any]]:
-    return {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
+def _by_id(message: Mapping[str, Any]) -> dict[int, bytes]:
+    """Return the messages Pose in one of many by their ids; most are of links, and never decoded."""
+    found = ((one, content) for content in message.get("pose", []) for one in _of_type("EntityPose", content))
+    return {one["id"]: content for one, content in found if "id" in one}
+
+
+def _of_type(type_name: str, content: bytes) -> Iterator[dict[str, Any]]:
+    """Yield the message of a type, or nothing if the bytes are none, as what a server sends may be anything."""
+    with suppress(NoMessage):
+        yield SIM.decode(type_name, content)
 
 
 def _stamp(message: Mapping[str, Any]) -> int:

@@ -15,7 +15,7 @@ import re
 import struct
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import fmean
 from typing import Any, TypeAlias
 
@@ -43,6 +43,15 @@ class MessageTypes:
     """The message types of a simulator, by their names without the package."""
 
     types: Mapping[str, Fields]
+    numbered: Mapping[str, Mapping[int, tuple[str, Kind | list[Kind]]]] = field(init=False)
+    """Name and kind of each field by its number, as it is received, of each message type."""
+
+    def __post_init__(self) -> None:
+        numbered = {
+            type_name: {number: (name, kind) for name, (number, kind) in fields.items()}
+            for type_name, fields in self.types.items()
+        }
+        object.__setattr__(self, "numbered", numbered)
 
     def encode(self, type_name: str, message: Message) -> bytes:
         """Return a message of a type, such as `Twist`, as bytes."""
@@ -62,7 +71,7 @@ class MessageTypes:
             raise NoMessage(f"a simulator sent what is no message {type_name} ({error})") from None
 
     def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
-        names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
+        names = self.numbered[type_name]
         message, parts = _Decoded(self, type_name), defaultdict[tuple[str, str], list[bytes]](list)
         for number, wire_type, value in _fields(content):
             if number not in names:
@@ -226,7 +235,8 @@ SIM = MessageTypes(
             "position": (4, "Vector3d"),
             "orientation": (5, "Quaternion"),
         },
-        "Pose_V": {"header": (1, "Header"), "pose": (2, ["Pose"])},
+        "EntityPose": {"id": (3, int)},  # a Pose of which the rest is skipped
+        "Pose_V": {"header": (1, "Header"), "pose": (2, [bytes])},
         "Double": {"data": (2, float)},
         "Boolean": {"data": (2, bool)},
         "Empty": {},
