@@ -14,7 +14,8 @@ import pytest
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.driving.planning import _way_back, northward, predict_way, predictions, predictor_for
-from rsegen.driving.prediction import FIRST, PRIOR, Prediction, Predictor, spread_drive
+from rsegen.driving.prediction import FIRST, MOST, PRIOR, Prediction, Predictor, spread_drive
+from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import planned_way
 from rsegen.driving.spread import FRICTION, HEADING, HEIGHT, START, spread_run
@@ -152,6 +153,31 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
     assert at_wall[1] > 0.1, "north of the wall"
     assert found.way.length is not None
     assert found.way.length > PASSAGE.field.extent[0]
+
+
+def test_a_later_way_is_sure_only_by_all_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first way holds the robot, the second one lets it across in the first drives alone, the third always."""
+    ways: list[bytes] = []
+    driven: list[tuple[int, int]] = []
+
+    def scripted(_simulator: object, _scene: Scene, run: RobotRun, number: int, _motors: str) -> rsegen.Outcome:
+        assert run.way is not None
+        points = run.way.points.tobytes()
+        if points not in ways:
+            ways.append(points)
+        way = ways.index(points)
+        driven.append((way, number))
+        path = run.way.points[[0, len(run.way.points) // 2]]
+        if way == 0 or (way == 1 and number >= FIRST):
+            return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
+        return rsegen.Outcome(seconds=9.0, path=path)
+
+    monkeypatch.setattr("rsegen.driving.prediction.spread_drive", scripted)
+    found = predict_way(predictor(), PASSAGE, ROBOTS["jackal"], "safe")
+    assert [sum(way == number for way, _ in driven) for number in range(3)] == [2, MOST, MOST]
+    assert found.way is not None
+    assert found.way.points.tobytes() == ways[2]
+    assert (found.crossed, found.drives) == (MOST, MOST)
 
 
 def test_a_scene_that_is_turned_has_its_north_in_the_east() -> None:

@@ -5,7 +5,8 @@
 Poses find ways in a second, but know neither swing, nor slip, nor what a robot does after it has fallen. So a way is
 driven with the errors of a spread (prediction.py). Once two drives have failed, its moves about the places at which
 they failed are closed, and the next way is planned. One that is sure is taken, or else the best of those that were
-tried. If poses find no way, the straight lanes are tried on which the robot gets farthest.
+tried. Of several ways that are crossed by chance some cross in all of their first drives: so a later way is sure only
+by all drives of a spread. If poses find no way, the straight lanes are tried on which the robot gets farthest.
 
 Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is
 crossed by chance.
@@ -59,6 +60,8 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
         surest = max((one.probability for one, _ in tried), default=0.0)
         try:
             found = predictor.tried(scene, run, predictor.failures_below(surest, _FAILURES))
+            if tried and found.probability >= SURE:  # of some ways one does well by chance
+                found = predictor.predict(scene, run, found, is_chosen=True)
         except SimulatorFailed as error:
             failure = error
             continue

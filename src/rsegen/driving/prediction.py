@@ -216,13 +216,17 @@ class Predictor:
             (failures for failures in range(1, most) if _probability(count - failures, count) <= probability), most
         )
 
-    def predict(self, scene: Scene, run: RobotRun, known: Prediction | None = None) -> Prediction:
+    def predict(
+        self, scene: Scene, run: RobotRun, known: Prediction | None = None, *, is_chosen: bool = False
+    ) -> Prediction:
         """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.
 
-        known: what the first drives have said already
+        known: what the first drives have said already; is_chosen: if they all cross, that is not enough, as the run was
+        chosen by it
         """
         tried = self.tried(scene, run, known=known)
-        if tried.next_drive >= self.drives or tried.crossed in (0, tried.drives):
+        alike = (0,) if is_chosen else (0, tried.drives)
+        if tried.next_drive >= self.drives or tried.crossed in alike:
             report_share(_BAR, 1)
             return tried
         rest, outcomes = range(tried.next_drive, self.drives), list(tried.outcomes)
