@@ -412,10 +412,12 @@ def careful(field: StepField, body: Body) -> Body | None:
     """Return a robot with the least momentum and friction with which it drives over blocks of one unit.
 
     With room to spare a lane is driven by that robot. It drives over a few blocks side by side, and over every other
-    one, as on a chessboard, where the robot does so with all it has. None if it does not even climb the former.
+    one, as on a chessboard, where the robot does so with all it has. None if it does not even climb the former, or by
+    more momentum alone than it keeps when its wheels hit a block.
     """
     places = room_beside(body) * np.array([-1.0, 0.0, 1.0])
-    robots = [_with_less(body, *shares) for shares in _CARE]
+    most = max(_energy_left(body, field.unit), _CARE[0][0])
+    robots = [_with_less(body, *shares) for shares in _CARE if shares[0] <= most]
 
     def first(ground: StepField) -> int | None:
         passed = (number for number, robot in enumerate(robots) if straight(ground, robot, 0, places).passed.all())
@@ -425,6 +427,20 @@ def careful(field: StepField, body: Body) -> Body | None:
     if together is None:
         return None
     return robots[max(together, first(_small_field(field, body, is_rough=True)) or 0)]
+
+
+def _energy_left(body: Body, height: float) -> float:
+    """Return the share of its kinetic energy that a robot keeps when its wheels hit an edge of some height, metres.
+
+    The hit is inelastic: a wheel of radius r turns about an edge of height h on, and of the velocity the part across
+    the line from the edge to its axle is left, (1 - h / r) v, the cosine of what its surface leans there.
+    """
+    ahead = body.drives & (body.normals[:, 0] > 0)
+    above = body.points[:, 2] - body.low[2]
+    if not ahead.any() or height > above[ahead].max():
+        return 0.0
+    at = np.abs(above[ahead] - height).argmin()
+    return float(body.normals[ahead][at, 2] ** 2)
 
 
 def _with_less(body: Body, energy: float, along: float, across: float) -> Body:
@@ -450,7 +466,7 @@ def room_beside(body: Body) -> float:
 def safely_passed(field: StepField, body: Body, axis: int, middles: Array) -> Mask:
     """Return which lanes at some places across, metres, are driven with room to spare."""
     places = middles + room_beside(body) * np.array([[0.0], [-1.0], [1.0]])
-    passed = straight(field, careful(field, body) or body, axis, places.ravel()).passed
+    passed = straight(field, careful(field, body) or _with_less(body, *_CARE[0]), axis, places.ravel()).passed
     return np.asarray(passed.reshape(3, -1).all(axis=0))
 
 
