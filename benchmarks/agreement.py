@@ -1,9 +1,12 @@
-"""How far MuJoCo agrees with Gazebo Classic about drives: the same fields, starts, routes and ends in both.
+"""How far simulators agree about drives: the same fields, starts, routes and ends in all of them.
 
-python -m benchmarks.agreement             drives in MuJoCo and in Gazebo Classic, measures steps and speeds, prints the
-                                           tables and keeps benchmarks/results/agreement.json; an hour and a half
-python -m benchmarks.agreement --mujoco    in MuJoCo alone; the record of Classic is kept; ten minutes
-python -m benchmarks.agreement --quick     a field for each robot in MuJoCo alone, not kept; a minute
+python -m benchmarks.agreement                       drives in MuJoCo and in Gazebo Classic, measures steps and speeds,
+                                                     prints the tables and keeps benchmarks/results/agreement.json; an
+                                                     hour and a half
+python -m benchmarks.agreement --simulator mujoco    in MuJoCo alone, ten minutes; or sim: in Gazebo Sim, an hour and a
+                                                     half; what is recorded of the others is kept
+python -m benchmarks.agreement --robot FILE --unit 0.5 --unit 1    a robot of a file, on fields of these units, alone
+python -m benchmarks.agreement --quick               a field for each robot in MuJoCo alone, not kept; a minute
 
 Lanes recorded in benchmarks/results/crossings.json were known when the settings of MuJoCo were chosen. Fresh ones, with
 seeds that nobody looked at before, judge: random fields as there, fields of 10 cm for the crawler, and planned ways.
@@ -19,7 +22,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
-from itertools import product
+from itertools import combinations, product
 from math import ceil, nan
 from statistics import median
 from time import process_time
@@ -35,7 +38,8 @@ from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.drives import Tracks, Wheels
+from rsegen.robots.drives import Wheels
+from rsegen.robots.lookup import robot_of
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
@@ -46,13 +50,19 @@ from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "agreement.json"
 
-CLASSIC = "classic"
+CLASSIC, SIM = "classic", "sim"
 
 MUJOCO = tuple(f"mujoco {motors}" for motors in MOTORS)
 """MuJoCo with each model of motors."""
 
+SIMULATED = (CLASSIC, SIM, *MUJOCO)
+"""What drives, in the order of the record."""
+
 Ways = dict[str, list[list[float]]]
 """Points of planned ways by their worlds, metres."""
+
+_WIDTH = 3.0
+"""Metres across the fields."""
 
 ASIDE = 0.0005
 """Metres to the side by which a start is moved, to see whether a lane is a coin flip."""
@@ -98,9 +108,9 @@ COURSES: Mapping[str, Course] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class World:
-    """A field of a course with robots on it; numbers of its recipe: unit, seed."""
+    """A field of a course with robots on it, of a kind or a file; numbers of its recipe: unit, seed."""
 
-    course: str
+    course: Course
     robot: str
     field: str
     unit_cm: float
@@ -109,7 +119,7 @@ class World:
     @property
     def scene(self) -> Scene:
         """Return its scene: 10 x 30 blocks of 10 cm."""
-        given = {"chunks": [1, 3], "boundary": "none", **COURSES[self.course].given}
+        given = {"chunks": [1, 3], "boundary": "none", **self.course.given}
         obstacle = crossings.OBSTACLES[self.field]
         return compose(
             decode({"name": "agreement", "unit_cm": self.unit_cm, "seed": self.seed, "obstacles": [obstacle], **given}),
@@ -119,7 +129,7 @@ class World:
     @property
     def key(self) -> tuple[str, str, str, float, int]:
         """Return what tells it from the others."""
-        return self.course, self.robot, self.field, self.unit_cm, self.seed
+        return self.course.title, robot_of(self.robot).kind, self.field, self.unit_cm, self.seed
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -159,7 +169,7 @@ def worlds(course: Course, robot: str) -> Iterator[World]:
     plan = course.plans[robot]
     fields = product(range(course.rounds), crossings.OBSTACLES, plan.units)
     for number, (_, field, unit) in enumerate(fields):
-        yield World(course=course.title, robot=robot, field=field, unit_cm=unit, seed=course.first_seed + number)
+        yield World(course=course, robot=robot, field=field, unit_cm=unit, seed=course.first_seed + number)
 
 
 def runs_of(world: World, scene: Scene, ways: Ways, aside: float) -> list[RobotRun]:
@@ -167,7 +177,7 @@ def runs_of(world: World, scene: Scene, ways: Ways, aside: float) -> list[RobotR
 
     ways: the points of ways by world, which are kept, as another rsegen may plan other ones.
     """
-    course, robot = COURSES[world.course], ROBOTS[world.robot]
+    course, robot = world.course, robot_of(world.robot)
     if course.route == Straight.name:
         runs = robot_runs(scene.field, robot, Straight.name, count=course.plans[world.robot].robots, seed=1)
         return [replace(run, start=replace(run.start, y=run.start.y + aside)) for run in runs]
@@ -188,11 +198,11 @@ def runs_of(world: World, scene: Scene, ways: Ways, aside: float) -> list[RobotR
 
 
 def recording_of(simulator: str, scene: Scene, runs: Sequence[RobotRun], seconds: float) -> DriveRecording:
-    """Return the recording of a drive in Gazebo Classic, or in MuJoCo with a model of motors."""
-    if simulator != CLASSIC:
+    """Return the recording of a drive in a Gazebo, or in MuJoCo with a model of motors."""
+    if simulator in MUJOCO:
         motors = simulator.rpartition(" ")[2]
         return record_embedded(EMBEDDED["mujoco"], scene, runs, seconds, contacts=False, motors=motors)
-    here = SIMULATORS[CLASSIC].installation()
+    here = SIMULATORS[simulator].installation()
     assert here is not None  # noqa: S101  # `main`
     with world_of(scene, None).on_disk() as file:
         return record_drive(here, file, runs, seconds, contacts=False)
@@ -204,13 +214,17 @@ def outcomes(simulator: str, world: World, ways: Ways, aside: float = 0.0) -> It
     runs = runs_of(world, scene, ways, aside)
     if not runs:
         return
-    course = COURSES[world.course]
-    recording = recording_of(simulator, scene, runs, course.plans[world.robot].seconds)
+    recording = recording_of(simulator, scene, runs, world.course.plans[world.robot].seconds)
+    title, robot, field, unit, seed = world.key
     for run in runs:
-        driven = driven_robot(run, scene, recording, course.route)
+        driven = driven_robot(run, scene, recording, world.course.route)
         row = driven.trajectory.rows[-1]
         yield Outcome(
-            **asdict(world),
+            course=title,
+            robot=robot,
+            field=field,
+            unit_cm=unit,
+            seed=seed,
             line=round(run.start.y - aside, 4),
             simulator=simulator,
             aside=aside,
@@ -224,13 +238,16 @@ def outcomes(simulator: str, world: World, ways: Ways, aside: float = 0.0) -> It
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0; 3 where a simulator is not installed."""
     options = _options(arguments)
-    simulators = MUJOCO if options.mujoco or options.quick else (CLASSIC, *MUJOCO)
+    libraries = ["mujoco"] if options.quick else options.simulator or [CLASSIC, "mujoco"]
+    simulators = [name for name in SIMULATED if _library(name) in libraries]
     versions = {name: _version(name) for name in dict.fromkeys(map(_library, simulators))}
     if missing := [name for name, version in versions.items() if not version]:
         print(f"no {missing[0]} here", file=sys.stderr)
         return 3
     old = loaded() if FILE.exists() else {}
-    record = measured(old, options.robots, simulators, quick=options.quick)
+    robots = options.robot or options.robots
+    courses = [_with_files(course, options.robot, options.unit) for course in COURSES.values()]
+    record = measured(old, courses[:1] if options.quick else courses, robots, simulators, quick=options.quick)
     record["simulators"] = old.get("simulators", {}) | versions
     print("\n".join(table(record, recorded_lanes())))
     if not options.quick:
@@ -256,50 +273,77 @@ def text_of(record: Mapping[str, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
+def _with_files(course: Course, files: Sequence[str], units: Sequence[float]) -> Course:
+    """Return a course with plans for the robots of files too, if its seeds are fresh and its units are none of its own.
+
+    As many robots as fit drive side by side, for three times as long as they take on flat ground.
+    """
+    if course.title not in (FRESH, WAYS):
+        return course
+    plans = dict(course.plans)
+    for file in files:
+        robot = robot_of(file)
+        abreast = 1 if course.route == AlongWay.name else min(5, int(_WIDTH / (1.5 * max(robot.size[:2]))))
+        plans[file] = crossings.Plan(tuple(units), abreast, 3 * (1 + 2 * robot.size[0]) / robot.driving_speed)
+    return course._replace(plans=plans)
+
+
 def measured(
-    old: Mapping[str, Any], robots: Sequence[str], simulators: Sequence[str], *, quick: bool = False
+    old: Mapping[str, Any],
+    courses: Sequence[Course],
+    robots: Sequence[str],
+    simulators: Sequence[str],
+    *,
+    quick: bool = False,
 ) -> dict[str, Any]:
     """Return a record in which drives and steps of these robots in these simulators are new, and so are speeds."""
+    kinds = [robot_of(robot).kind for robot in robots]
 
     def is_kept(entry: Mapping[str, Any]) -> bool:
-        return entry["robot"] not in robots or entry.get("simulator", MUJOCO[0]) not in simulators
+        return entry["robot"] not in kinds or entry.get("simulator", MUJOCO[0]) not in simulators
 
     record: dict[str, Any] = {"machine": machine(), "ways": dict(old.get("ways", {}))}
     kept = {part: list(filter(is_kept, old.get(part, ()))) for part in ("drives", "climbs", "speeds")}
-    courses = [COURSES[RECORDED]] if quick else list(COURSES.values())
     for course, robot, simulator in product(courses, robots, simulators):
         if can_drive(course, robot, simulator):
             kept["drives"] += map(asdict, _driven(course, robot, simulator, record["ways"], quick=quick))
-    for robot, simulator in product([] if quick else robots, simulators):
+    own = [robot for robot in robots if robot in crossings.PLANS]
+    for robot, simulator in product([] if quick else own, simulators):
         if has_motors(robot, simulator):
             kept["climbs"] += climbs(simulator, robot)
     if MUJOCO[0] in simulators:
-        kept["speeds"] += [speeds(robot, blocks) for robot, blocks in product(robots, (10, 40))]
+        kept["speeds"] += [speeds(robot, blocks) for robot, blocks in product(own, (10, 40))]
     return record | {part: sorted(entries, key=_place) for part, entries in kept.items()}
 
 
-def _place(entry: Mapping[str, Any]) -> tuple[int, ...]:
+def _place(entry: Mapping[str, Any]) -> tuple[Any, ...]:
     """Return where an entry of the record is in it, apart from others that are measured at once with it."""
     course = list(COURSES).index(entry.get("course", RECORDED))
-    simulator = (CLASSIC, *MUJOCO).index(entry.get("simulator", CLASSIC))
-    return course, list(crossings.PLANS).index(entry["robot"]), simulator, int(1e6 * entry.get("aside", 0.0))
+    simulator = SIMULATED.index(entry.get("simulator", CLASSIC))
+    return course, _order(entry["robot"]), simulator, int(1e6 * entry.get("aside", 0.0))
+
+
+def _order(kind: str) -> tuple[int, str]:
+    """Return what sorts robots: rsegen's own first."""
+    own = list(crossings.PLANS)
+    return (own.index(kind), "") if kind in own else (len(own), kind)
 
 
 def has_motors(robot: str, simulator: str) -> bool:
     """Return whether a robot differs by the model of motors: belts have no wheels, and are driven with one alone."""
-    return simulator != MUJOCO[1] or isinstance(ROBOTS[robot].drive, Wheels)
+    return simulator != MUJOCO[1] or isinstance(robot_of(robot).drive, Wheels)
 
 
 def can_drive(course: Course, robot: str, simulator: str) -> bool:
     """Return whether a robot is to drive on a course in a simulator."""
-    if robot not in course.plans or (simulator == CLASSIC and course.title == RECORDED):
+    if robot not in course.plans or (simulator not in MUJOCO and course.title == RECORDED):
         return False
     return has_motors(robot, simulator)
 
 
 def _driven(course: Course, robot: str, simulator: str, ways: Ways, *, quick: bool) -> Iterator[Outcome]:
-    """Yield the outcomes of a robot on a course, where a start is moved too: in Classic on fresh lanes alone."""
-    moved = simulator != CLASSIC or course.title == FRESH
+    """Yield the outcomes of a robot on a course, where a start is moved too: in a Gazebo on fresh lanes alone."""
+    moved = simulator in MUJOCO or course.title == FRESH
     for world in list(worlds(course, robot))[: 1 if quick else None]:
         for aside in (0.0, ASIDE) if moved else (0.0,):
             found = list(outcomes(simulator, world, ways, aside))
@@ -323,33 +367,35 @@ def _library(simulator: str) -> str:
 
 def _version(library: str) -> str:
     """Return the title and version of a simulator, empty where it is not installed."""
-    if library == CLASSIC:
-        return str(SIMULATORS[CLASSIC].installation() or "")
+    if library in SIMULATORS:
+        return str(SIMULATORS[library].installation() or "")
     return str(EMBEDDED[library]) if EMBEDDED[library].version() else ""
 
 
 def table(record: Mapping[str, Any], recorded: Iterable[Outcome]) -> Iterator[str]:
     """Yield the figures as lines of Markdown; recorded: the lanes of crossings.json in Gazebo Classic."""
     found = [*recorded, *(Outcome(**drive) for drive in record["drives"])]
+    robots = sorted({drive.robot for drive in found}, key=_order)
     yield (
         "| drives | robot | pair of simulators | lanes | cross in each | agree, with a 95 % interval | by chance "
-        "| tip alike | time | MuJoCo with itself | Classic with itself |"
+        "| tip alike | time | first with itself | second with itself |"
     )
     yield "|---" * 11 + "|"
-    for title, course in COURSES.items():
-        for robot, simulator in product(course.plans, MUJOCO):
-            own = [drive for drive in found if (drive.course, drive.robot) == (title, robot)]
-            if row := _row(own, simulator):
-                yield f"| {title} | {robot} | Classic, {_title(robot, simulator)} | {row} |"
+    for title, robot, (one, other) in product(COURSES, robots, combinations(SIMULATED, 2)):
+        own = [drive for drive in found if (drive.course, drive.robot) == (title, robot)]
+        has_both = any(drive.simulator == MUJOCO[1] for drive in own)
+        if (one, other) != MUJOCO and (row := _row(own, one, other)):
+            names = ", ".join(_title(simulator, has_motors=has_both) for simulator in (one, other))
+            yield f"| {title} | {robot} | {names} | {row} |"
     yield ""
     yield from _climbs_table(record["climbs"])
     yield ""
     yield from _speeds_table(record["speeds"])
 
 
-def _row(found: Sequence[Outcome], simulator: str) -> str:
-    """Return the cells of a robot on a course in Classic and in one other; empty if it was not driven in both."""
-    if not (both := pairs(found, CLASSIC, simulator)):
+def _row(found: Sequence[Outcome], first: str, second: str) -> str:
+    """Return the cells of a robot on a course in two simulators; empty if it was not driven in both."""
+    if not (both := pairs(found, first, second)):
         return ""
     crossed = [sum(drive.crossed for drive in side) for side in zip(*both, strict=True)]
     tipped = [sum(drive.tipped > 0 for drive in side) for side in zip(*both, strict=True)]
@@ -366,8 +412,8 @@ def _row(found: Sequence[Outcome], simulator: str) -> str:
         f"{100 * chance:.0f} %",
         f"{alike} of {len(both)} ({tipped[0]}, {tipped[1]} tip)",
         f"{median(later):+.2f} s" if later else "",
-        _with_itself(found, simulator),
-        _with_itself(found, CLASSIC),
+        _with_itself(found, first),
+        _with_itself(found, second),
     )
     return " | ".join(cells)
 
@@ -403,7 +449,7 @@ def _climbs_table(climbs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         }
         held = min((height for height, climbed in own.items() if not climbed), default=None)
         below = max((height for height in own if held is None or height < held), default=0.0)
-        title = "Classic" if simulator == CLASSIC else _title(robot, simulator)
+        title = _title(simulator, has_motors=has_motors(robot, MUJOCO[1]))
         first = "none" if held is None else f"{100 * held:.3g} cm"
         span = f"{100 * min(own):.3g} to {100 * max(own):.3g} cm"
         yield f"| {robot} | {title} | {100 * below:.3g} cm | {first} | {span} |"
@@ -419,9 +465,11 @@ def _speeds_table(speeds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"| {robot} | " + " | ".join(f"{own[size]:.0f}" for size in sizes) + " |"
 
 
-def _title(robot: str, simulator: str) -> str:
+def _title(simulator: str, *, has_motors: bool) -> str:
     """Return a simulator by its name in the table; tracks have no motors to choose from."""
-    return "MuJoCo" if isinstance(ROBOTS[robot].drive, Tracks) else f"MuJoCo, motors `{simulator.rpartition(' ')[2]}`"
+    if simulator not in MUJOCO:
+        return simulator.title()
+    return f"MuJoCo, motors `{simulator.rpartition(' ')[2]}`" if has_motors else "MuJoCo"
 
 
 class Steps(NamedTuple):
@@ -483,7 +531,10 @@ def speeds(name: str, blocks: int, seconds: float = 10.0) -> dict[str, Any]:
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.agreement", description=__doc__.splitlines()[0])
     parser.add_argument("robots", nargs="*", metavar="ROBOT", default=list(crossings.PLANS), help="only these kinds")
-    parser.add_argument("--mujoco", action="store_true", help="drive in MuJoCo alone; the record of Classic is kept")
+    parser.add_argument("--robot", action="append", metavar="FILE", default=[], help="the robot of a file alone")
+    parser.add_argument("--unit", action="append", type=float, default=[], help="a unit for robots of files, cm")
+    libraries = list(dict.fromkeys(map(_library, SIMULATED)))
+    parser.add_argument("--simulator", action="append", choices=libraries, help="drive in these alone")
     parser.add_argument("--quick", action="store_true", help="a field for each robot in MuJoCo alone, not kept")
     return parser.parse_args(arguments)
 
