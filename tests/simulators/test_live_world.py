@@ -16,12 +16,13 @@ from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.gazebo import sdf
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import SIMULATORS
-from rsegen.simulators.gazebo_sim import SimWorld
+from rsegen.simulators.gazebo_sim import SimWorld, _by_id
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import running_server
 from rsegen.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
+from rsegen.simulators.wire import SIM
 from tests.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulators.transport import NEEDS_ENGINE, connected_to, transport_world
 from tests.support.complaints import the_line
@@ -169,6 +170,18 @@ def test_a_drive_without_the_poses_that_a_robot_publishes_has_failed() -> None:
         world._stopped = 2000, 2 * 10**9
         with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: no pose of two was published$"):
             world.recorded()
+
+
+def test_of_the_poses_in_a_message_only_those_of_models_are_read() -> None:
+    """A message has the poses of hundreds of links; a damaged one of a link harms nobody, one of a model is missing."""
+    pose = SIM.encode("Pose", {"name": "one", "id": 7, "position": {"x": 1.5}})
+    without_id, damaged = SIM.encode("Pose", {"name": "none"}), SIM.encode("EntityPose", {"id": 9}) + b"\x22\x01\x07"
+    content = SIM.encode("Pose_V", {"header": {"stamp": {"sec": 2}}, "pose": [pose, without_id, damaged, b"\x0f"]})
+    found = _by_id(SIM.decode("Pose_V", content))
+    assert found == {7: pose, 9: damaged}
+    with transport_client({"GZ_PARTITION": "poses", "GZ_IP": "127.0.0.1"}, Patience()) as client:
+        world = SimWorld(client=client, name="w", backend="sim", _names={7: "one", 9: "damaged", 11: "elsewhere"})
+        assert world._by_name(found) == {"one": Pose(x=1.5, y=0, z=0)}
 
 
 def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() -> None:
