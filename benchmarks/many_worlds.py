@@ -1,9 +1,9 @@
 """Drives in thousands of worlds of mujoco_warp beside the same in MuJoCo: `python -m benchmarks.many_worlds`.
 
-Each of three robots drives straight ahead over fields of its own scale, each in a world: the way between both after
-seconds, and how many lanes end alike; then how many seconds are simulated in one, by the number of worlds. Kept in
-benchmarks/results/many_worlds.json; docs/mujoco.md has it. On a GPU two minutes; without one give --lanes 4 --worlds 4.
-Needs `pip install mujoco-warp`.
+Each of three robots is driven over maps of its own scale as by `rsegen drives`, in both simulators: the way between
+both after seconds, and how many drives end alike; then how many seconds are simulated in one, by the number of worlds.
+Kept in benchmarks/results/many_worlds.json; docs/learned.md has it. On a GPU two minutes; without one give
+--device cpu --lanes 16 --seconds 2 --worlds, and -o to leave that file as it is. Needs `pip install mujoco-warp`.
 """
 
 from __future__ import annotations
@@ -26,8 +26,14 @@ import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
+from rsegen.driving.planning import required_simulator
+from rsegen.driving.recording import DriveRecording, RobotRun, record_batch, record_embedded
+from rsegen.driving.robot_runs import finish_x, robot_runs
+from rsegen.errors import SimulatorFailed
 from rsegen.mujoco.settings import STEP
-from rsegen.training.crossing import NAME, Crossing
+from rsegen.robots.lookup import robot_of
+from rsegen.robots.parameters import MOTORS
+from rsegen.scene.scene import Scene, compose
 
 FILE = RESULTS / "many_worlds.json"
 SECONDS = 10.0
@@ -57,7 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.many_worlds", description=__doc__.splitlines()[0])
     parser.add_argument("--robots", nargs="+", choices=COURSES, default=list(COURSES))
     parser.add_argument("--lanes", type=int, default=256, help="of each robot")
-    parser.add_argument("--worlds", type=int, nargs="+", default=[1, 64, 1024, 4096, 16384], help="of which a speed")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="of a drive, at most")
+    parser.add_argument("--worlds", type=int, nargs="*", default=[1, 64, 1024, 4096, 16384], help="of which a speed")
     parser.add_argument("--device", default="cuda:0", help="of Warp, such as cpu")
     parser.add_argument("-o", "--output", type=Path, default=FILE)
     options = parser.parse_args(arguments)
@@ -74,7 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _crossing(robot: str) -> Crossing:
+def _scenes(robot: str, count: int) -> list[Scene]:
+    """Maps of the robot's scale."""
     course = COURSES[robot]
     recipe = rsegen.Recipe(
         name="lane",
@@ -83,104 +91,89 @@ def _crossing(robot: str) -> Crossing:
         block_width_cm=course.block,
         chunk_size=10,
         boundary="none",
+        first_map=MAPS,
+        maps=count,
         obstacles=[rsegen.Random(levels=course.levels)],
     )
-    return Crossing(recipe=recipe, robot=robot)
+    return [compose(recipe, index) for index in recipe.indices]
+
+
+def _runs(robot: str, scenes: Sequence[Scene]) -> list[RobotRun]:
+    """The robot west of each map, and its way straight across it, as `rsegen drives` has it."""
+    return [robot_runs(scene.field, robot_of(robot), "straight", count=1, seed=0)[0] for scene in scenes]
 
 
 def _measured(robot: str, options: argparse.Namespace) -> dict[str, Any]:
     """The distances at each look, metres, which lanes are across in both, and the speeds by the number of worlds."""
-    crossing, lanes = _crossing(robot), options.lanes
-    random = np.random.default_rng(5)
-    starts = random.uniform(-1, 1, (lanes, 2))
+    lanes, seconds = options.lanes, options.seconds
+    scenes = _scenes(robot, lanes)
     begin = time.monotonic()
     # A process that has a GPU open must not be forked.
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        own = np.array(list(pool.map(_drive_one, repeat(robot), range(lanes), starts.tolist(), chunksize=4)))
+        own = list(pool.map(_drive_one, repeat(robot), scenes, repeat(seconds), chunksize=4))
     one = time.monotonic() - begin
-    begin = time.monotonic()
-    many = _drive_many(crossing, starts)
+    begin, runs = time.monotonic(), _runs(robot, scenes)
+    worlds = _worlds(robot, scenes)
+    many = record_batch("MuJoCo Warp", worlds, runs, seconds)
     print(f"{robot}: {one:.0f} s in MuJoCo, {time.monotonic() - begin:.0f} s in mujoco_warp", flush=True)
-    finish = crossing.lane[1]
-    apart = np.linalg.norm(own - many, axis=-1)
+    places = np.array([[_looks(made, seconds) for made in side] for side in (own, many)])
+    finish = finish_x(scenes[0].field, robot_of(robot))
+    apart = np.linalg.norm(places[0] - places[1], axis=-1)
     return {
         "lanes": lanes,
         "apart": [[round(float(np.quantile(row, share)), 6) for share in (0.5, 0.9)] for row in apart.T],
-        "across": [(own[:, -1, 0] >= finish).tolist(), (many[:, -1, 0] >= finish).tolist()],
-        "speed": {str(worlds): _speed(crossing, worlds) for worlds in options.worlds},
+        "across": [[bool(across) for across in side[:, -1, 0] >= finish] for side in places],
+        "speed": {str(count): _speed(robot, count) for count in options.worlds},
     }
 
 
-def _drive_one(robot: str, lane: int, start: Sequence[float]) -> list[list[float]]:
-    """Where a robot is at each look, (looks, 3), metres, in MuJoCo."""
-    crossing = _crossing(robot)
-    world = crossing.world()
-    crossing.grid.write(world.model, rsegen.build_many(crossing.recipe, [MAPS + lane])[0])
-    world.restart(NAME, crossing.start(*start))
-    world.drive(NAME, crossing.driven, crossing.driven.drive.speed / 2, 0.0)
-    places = []
-    for _ in range(round(SECONDS / LOOK)):
-        world.step(round(LOOK / STEP))
-        places.append(world.data.qpos[:3].tolist())
-    return places
+def _drive_one(robot: str, scene: Scene, seconds: float) -> DriveRecording:
+    """The drive over a map in MuJoCo."""
+    return record_embedded(required_simulator("this needs"), scene, _runs(robot, [scene]), seconds, contacts=False)
 
 
-def _drive_many(crossing: Crossing, starts: Any) -> Any:
-    """The same of all lanes at once in mujoco_warp, (lanes, looks, 3)."""
-    import mujoco
-
-    many = _worlds(crossing, len(starts))
-    qpos = many.data.qpos.numpy()
-    for row, start in zip(qpos, starts, strict=True):
-        pose = crossing.start(*start)
-        row[:3] = pose.x, pose.y, pose.z
-        turn = np.zeros(4)
-        mujoco.mju_euler2Quat(turn, (0, 0, pose.yaw), "XYZ")
-        row[3:7] = turn
-    many.data.qpos.assign(qpos)
-    many.drive(crossing.driven.drive.speed / 2, 0.0)
-    places = []
-    for _ in range(round(SECONDS / LOOK)):
-        many.step(round(LOOK / STEP))
-        places.append(many.poses()[:, :3])
-    return np.stack(places, axis=1)
+def _looks(made: DriveRecording | SimulatorFailed, seconds: float) -> Any:
+    """Where the robot is at each look, (looks, 3), metres; after its end where it was then."""
+    if isinstance(made, SimulatorFailed):
+        raise made
+    (trajectory,) = made.trajectories.values()
+    times = np.arange(1, round(seconds / LOOK) + 1) * LOOK
+    rows = trajectory.rows[np.searchsorted(trajectory.rows[:, 0], times + 1e-6, side="right") - 1]
+    return rows[:, 1:4]
 
 
-def _worlds(crossing: Crossing, count: int) -> Any:
+def _worlds(robot: str, scenes: Sequence[Scene]) -> Any:
     """Worlds with a map each."""
-    from rsegen.learning.mujoco_warp import BlocksOfWorlds
-    from rsegen.mujoco.many_worlds import ManyWorlds
+    from rsegen.mujoco.many_maps import ManyMaps
 
-    one = crossing.world()
-    many = ManyWorlds(one, count)
-    blocks = BlocksOfWorlds(crossing.grid, one.model, many.model, many.data)
-    blocks.write(rsegen.build_many(crossing.recipe, range(MAPS, MAPS + count)))
-    return many
+    return ManyMaps(scenes, _runs(robot, scenes), MOTORS[0])
 
 
-def _speed(crossing: Crossing, count: int) -> float:
+def _speed(robot: str, count: int) -> float:
     """Simulated seconds in a second of so many worlds together, while robots are on blocks."""
     import warp
 
     wp: Any = warp  # which has types in part
-    many = _worlds(crossing, count)
-    many.drive(crossing.driven.drive.speed / 2, 0.0)
-    for _ in range(20):  # it gets to the blocks, and the graph is captured
-        many.step(100)
+    worlds = _worlds(robot, _scenes(robot, count))
+    worlds.drive(np.full(count, robot_of(robot).driving_speed), np.zeros(count))
+    for _ in range(15):  # it gets to the blocks, and the graph is captured
+        worlds.step(100)
     wp.synchronize()
     begin = time.monotonic()
     for _ in range(5):
-        many.step(100)
+        worlds.step(100)
     wp.synchronize()
     return round(count * 500 * STEP / (time.monotonic() - begin), 2)
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures, as lines of Markdown."""
-    looks = [round(second / LOOK) - 1 for second in (1, 2, 4)]
-    heads = ("robot", "lanes", "apart after 1 s: median, 9 of 10", "after 2 s", "after 4 s")
+    least = min(len(found["apart"]) for found in record["robots"].values())
+    seconds = [second for second in (1, 2, 4) if second / LOOK <= least]
+    looks = [round(second / LOOK) - 1 for second in seconds]
+    heads = ("robot", "lanes", "apart after 1 s: median, 9 of 10", *(f"after {second} s" for second in seconds[1:]))
     yield f"| {' | '.join(heads)} | across in MuJoCo | in mujoco_warp | end alike |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield f"|{'---|' * (len(heads) + 3)}"
     for robot, found in record["robots"].items():
         own, many = (np.array(across) for across in found["across"])
         alike, lanes = int((own == many).sum()), found["lanes"]
@@ -188,14 +181,19 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         apart = " | ".join(_apart(found["apart"][look]) for look in looks)
         share = f"{alike / lanes:.0%} ({low:.0%}-{high:.0%})"
         yield f"| {robot} | {lanes} | {apart} | {own.sum()} | {many.sum()} | {share} |"
-    yield ""
     sizes = list(next(iter(record["robots"].values()))["speed"])
+    if sizes:
+        yield from _speeds(record, sizes)
+    versions = ", ".join(f"{name} {number}" for name, number in record["versions"].items())
+    yield f"\nMeasured by `python -m benchmarks.many_worlds` on: {record['machine']}; {versions}."
+
+
+def _speeds(record: Mapping[str, Any], sizes: Sequence[str]) -> Iterator[str]:
+    yield ""
     yield f"| simulated s per s, worlds | {' | '.join(f'{int(size):,}' for size in sizes)} |"
     yield f"|---|{'---|' * len(sizes)}"
     for robot, found in record["robots"].items():
         yield f"| {robot} | {' | '.join(f'{speed:,.3g}' for speed in found['speed'].values())} |"
-    versions = ", ".join(f"{name} {number}" for name, number in record["versions"].items())
-    yield f"\nMeasured by `python -m benchmarks.many_worlds` on: {record['machine']}; {versions}."
 
 
 def _apart(pair: Sequence[float]) -> str:

@@ -28,7 +28,9 @@ from tests.crash.injection import Control, Injection, mapped_control
 CONTROL = "RSEGEN_CRASH_CONTROL"
 _LONGEST = 600
 _PR_SET_CHILD_SUBREAPER = 36
-_LEFT_OUT = re.compile(r"rsegen\.(__main__|learning(?!\.commands)|mujoco\.(kernels|many_worlds)|training)\b").match
+_LEFT_OUT = re.compile(
+    r"rsegen\.(__main__|learning(?!\.commands)|mujoco\.(kernels|many_worlds|many_maps)|training)\b"
+).match
 """Modules that no command of the trials needs, with PyTorch and Warp."""
 _HEAVY = (
     *(f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf", "svg")),

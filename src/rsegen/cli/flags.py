@@ -45,10 +45,12 @@ def _examples(**_: object) -> Collection[str]:
     return EXAMPLES
 
 
-def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
-    """Add --obstacle and every parameter of a recipe, over what a file of that name says."""
+def add_recipe_flags(command: Parser, over: str = "RECIPE", without: Collection[str] = ()) -> None:
+    """Add --obstacle and every parameter of a recipe, over what a file of that name says; some are the command's."""
     helps = {}
     for name, parameter in declared(Recipe).items():
+        if name in without:
+            continue
         shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
         shown_parameter = shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
         helps[shown_parameter] = shown_parameter.help
@@ -71,9 +73,17 @@ def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str])
         add_flag(group, parameter, meaning, metavar=parameter.metavar)
 
 
-def recipe_from(arguments: argparse.Namespace) -> Recipe:
-    """Return the recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
-    return recipes_from([] if arguments.recipe is None else [arguments.recipe], arguments)[0]
+def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe:
+    """Return the recipe of the file, if one is given, with the flags over it and their obstacles after its own.
+
+    without: flags that are the command's own
+    """
+    return recipes_from([] if arguments.recipe is None else [arguments.recipe], _without(arguments, without))[0]
+
+
+def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Namespace:
+    """Return arguments without some flags, which are the command's own."""
+    return argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in own})
 
 
 def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
@@ -212,10 +222,10 @@ def maps_of_flags(arguments: argparse.Namespace) -> Iterator[Recipe]:
 
 def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
     """Return the target as given, or the recipe of one map if flags make one; some flags are the command's own."""
-    own = argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in without})
-    if not is_of_flags(own):
+    others = _without(arguments, without)
+    if not is_of_flags(others):
         return str(arguments.target)
-    _, recipe, index = map_of_flags(own)
+    _, recipe, index = map_of_flags(others)
     return recipe.alone(index)
 
 

@@ -22,7 +22,7 @@ from rsegen.params.command import Shell, add_flags, command, default, flags_in_e
 from rsegen.params.sorts import Choice, FilePath, Flag, Integer
 from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.robots.parameters import MOTORS, MotorModel, RobotModel
-from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, Timeout, ignore
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, ManySimulator, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
@@ -179,6 +179,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     size: Size = None,
     speed: Speed = None,
     turn: Turn = None,
+    simulator: ManySimulator = None,
     motors: MotorModel = None,
     route: RouteName = "straight",
     best: Best = None,
@@ -194,7 +195,8 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     """Drive a robot over each map of a recipe, in MuJoCo, and count how many it crosses.
 
     One robot over each map, on all cores or a Dask cluster. Each drive is that of `rsegen drive` over that map, bit by
-    bit, wherever it is simulated.
+    bit, wherever it is simulated. In mujoco-warp thousands of maps are driven side by side, straight across, with
+    numbers of 32 bits: robots are within a millimetre in the first second, and most drives end alike.
 
     Parameters
     ----------
@@ -213,12 +215,13 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     Raises
     ------
     UserError
-        If a value is wrong, or MuJoCo is not installed.
+        If a value is wrong, or the simulator is not installed.
     """
     from dataclasses import replace
 
     from rsegen.driving.drive import drivable, refuse_best
     from rsegen.driving.many import ManyPlan, make_drives
+    from rsegen.simulators.batch import batch_simulator
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import refuse_taken, unchanged_if_stopped
 
@@ -230,6 +233,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
         route=route,
         best=best or "safe",
         duration=duration,
+        batch=batch_simulator(simulator),
     )
     if output is not None:
         refuse_taken([Path(output)], force=force, holds="drives")
@@ -362,16 +366,19 @@ def add_drives(command: Parser) -> None:
     command.explain(drive_many.__doc__, epilog)
     add_input(command)
     add_flags(command.group("drive"), drive_many)
-    add_recipe_flags(command)
+    add_recipe_flags(command, without=OWN_FLAGS)
 
 
 def run_drives(arguments: argparse.Namespace) -> Report:
     """Drive over all maps, and report how many were crossed."""
+    from rsegen.simulators.batch import batch_simulator
     from rsegen.writing.execute import cores
 
     with flags_in_errors(drive_many):
-        recipe = recipe_from(arguments)
-    options = {"workers": cores()} | given(drive_many, arguments)
+        recipe = recipe_from(arguments, OWN_FLAGS)
+        options = given(drive_many, arguments)
+        if batch_simulator(options.get("simulator")) is None:
+            options = {"workers": cores()} | options
     with progress_shown(recipe.maps, "drive", miniters=1) as bar, flags_in_errors(drive_many):
         result = drive_many(recipe, progress=bar.update, **options)
     return Report(lines=result.report(), content=result.as_json)

@@ -1,8 +1,9 @@
-"""Drives over many maps: one robot over each, on all cores or a cluster, and the share of maps that it crosses.
+"""Drives over many maps: one robot over each, on all cores, a cluster or a GPU, and the share of maps that it crosses.
 
     ManyPlan --execute--> ManyDrive for each map, in order --> ManyDrives: table, share, interval
 
-A drive is that of `rsegen drive` over the same map, bit by bit, wherever it is simulated. One that has no result, as
+A drive is that of `rsegen drive` over the same map, bit by bit, wherever it is simulated; in a batch simulator it is
+that drive in 32 bits. One that has no result, as
 its physics failed, is a row that says so, and counts neither as crossed nor as not.
 
 The interval is Wilson's, which holds for shares near 0 and 1 too (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927). What
@@ -24,14 +25,17 @@ import numpy as np
 
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.planning import planned_runs, predictor_for, required_simulator
-from rsegen.driving.recording import record_embedded
-from rsegen.driving.routes import AlongWay
-from rsegen.errors import NoSpot, SimulatorFailed, Stopped, UserError
+from rsegen.driving.recording import DriveRecording, RobotRun, record_batch, record_embedded
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import AlongWay, Straight
+from rsegen.errors import NoSpot, ParameterError, SimulatorFailed, Stopped, UserError
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.scene.scene import compose
+from rsegen.robots.parameters import MOTORS
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.batch import BatchSimulator
 from rsegen.writing.execute import Execution, execute
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import write_folder
@@ -45,7 +49,10 @@ _Z = 1.959963984540054
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ManyPlan:
-    """Drives to make: the maps of a recipe, a robot, its motors, route and seconds of simulation."""
+    """Drives to make: the maps of a recipe, a robot, its motors, route and seconds of simulation.
+
+    batch: the simulator of many worlds at once in which they are made; None for the simulator in the box
+    """
 
     recipe: Recipe
     robot: DrivableRobot
@@ -53,6 +60,7 @@ class ManyPlan:
     route: str
     best: str
     duration: float
+    batch: BatchSimulator | None = None
 
     def seed_of(self, index: int) -> int:
         """Return the seed of the start and route on a map: that of the recipe, and the map's index."""
@@ -201,12 +209,16 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     UserError if no drive has a result; Stopped, with how many are done, after Ctrl-C.
     """
     refuse_too_large(plan.recipe)
-    here = required_simulator("many drives need")
+    here = plan.batch or required_simulator("many drives need")
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
     drives: list[ManyDrive] = []
     try:
-        for batch in execute(partial(_drives, plan), indices, _SECONDS, execution):
+        for batch in (
+            _batches(plan, plan.batch, indices, execution)
+            if plan.batch
+            else execute(partial(_drives, plan), indices, _SECONDS, execution)
+        ):
             drives += batch
             progress(len(batch))
     except KeyboardInterrupt:
@@ -226,20 +238,55 @@ def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
 
 def drive_over(plan: ManyPlan, index: int) -> ManyDrive:
     """Return the drive over one map; one that has no spot to start at has no result."""
-    scene, seed = compose(plan.recipe, index), plan.seed_of(index)
+    scene = compose(plan.recipe, index)
     try:
         simulator = required_simulator("many drives need")
         predictor = predictor_for(None, plan.motors) if plan.route == AlongWay.name else None
-        (run,), _ = planned_runs(predictor, scene, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
+        given = {"count": 1, "seed": plan.seed_of(index), "best": plan.best}
+        (run,), _ = planned_runs(predictor, scene, plan.robot, plan.route, **given)
         recording = record_embedded(simulator, scene, [run], plan.duration, contacts=False, motors=plan.motors)
     except (NoSpot, SimulatorFailed) as error:
-        values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
-        return ManyDrive(map=index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)
+        return _failed(plan, scene, error)
+    return _driven(plan, scene, run, recording)
+
+
+def _batches(
+    plan: ManyPlan, simulator: BatchSimulator, indices: Sequence[int], execution: Execution
+) -> Iterator[list[ManyDrive]]:
+    """Yield the drives of each batch; ParameterError for what a batch simulator cannot do."""
+    if plan.route != Straight.name:
+        raise ParameterError("route", f"'{plan.route}' needs simulator='mujoco'; {simulator.name} drives straight")
+    if execution.workers > 1 or execution.scheduler:
+        where = "scheduler" if execution.scheduler else "workers"
+        raise ParameterError(where, f"is for simulator='mujoco'; {simulator.name} makes all drives in one process")
+    simulator.refuse_missing()
+    size = simulator.size(plan.recipe)
+    for begin in range(0, len(indices), size):
+        scenes = [compose(plan.recipe, index) for index in indices[begin : begin + size]]
+        runs = [robot_runs(scene.field, plan.robot, plan.route, count=1, seed=0)[0] for scene in scenes]
+        worlds = simulator.worlds(scenes, runs, motors=plan.motors or MOTORS[0])
+        yield [
+            _failed(plan, scene, made) if isinstance(made, SimulatorFailed) else _driven(plan, scene, run, made)
+            for scene, run, made in zip(
+                scenes, runs, record_batch(simulator.title, worlds, runs, plan.duration), strict=True
+            )
+        ]
+
+
+def _failed(plan: ManyPlan, scene: Scene, error: UserError | SimulatorFailed) -> ManyDrive:
+    """Return the row of a drive without a result."""
+    values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
+    seed = plan.seed_of(scene.index)
+    return ManyDrive(map=scene.index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)
+
+
+def _driven(plan: ManyPlan, scene: Scene, run: RobotRun, recording: DriveRecording) -> ManyDrive:
+    """Return the row of a drive."""
     robot = driven_robot(run, scene, recording, plan.route)
     metrics, (x, y) = robot.metrics, robot.trajectory.rows[-1, 1:3].tolist()
     return ManyDrive(
-        map=index,
-        seed=seed,
+        map=scene.index,
+        seed=plan.seed_of(scene.index),
         crossed=metrics.crossed,
         seconds=metrics.seconds,
         distance=metrics.distance,

@@ -158,3 +158,16 @@ def count_touches(
     one, other = geoms[at][0], geoms[at][1]
     if (one >= first and one < end) or (other >= first and other < end):
         wp.atomic_add(touches, worlds[at], 1)
+
+
+@wp.kernel(enable_backward=False)
+def find_depths(
+    count: wp.array[wp.int32],
+    distances: wp.array[wp.float32],
+    worlds: wp.array[wp.int32],
+    depths: wp.array[wp.float32],
+) -> None:
+    """Find the depth of the deepest contact of each world."""
+    at = wp.tid()
+    if at < wp.min(count[0], distances.shape[0]):
+        wp.atomic_max(depths, worlds[at], -distances[at])

@@ -16,8 +16,10 @@ difference grows. What breaks it: more contacts or constraints in a world than t
 reports, and a robot of more than 32 joints, whose Jacobians are sparse.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
+import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
@@ -27,6 +29,7 @@ from rsegen.field.stepfield import Array
 from rsegen.mujoco import kernels
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.simulators.poses import Pose
 
 _CONTACTS, _ROWS = 96, 320
 """Contacts and constraints for which there is room in each world: a crawler on blocks has 40 contacts at most."""
@@ -63,7 +66,8 @@ class ManyWorlds:
             self.model.opt.ccd_iterations = _ITERATIONS
             self.model.opt.warn_overflow &= ~mjw.OverflowType.EPA_HORIZON
             if self.model.is_sparse:
-                raise ParameterError("world", f"its robot has {compiled.nv} degrees of freedom; 32 at most")
+                many = f"{robot.kind} has {compiled.nv} degrees of freedom; MuJoCo Warp takes 32 at most"
+                raise ParameterError("robot", f"{many}, and MuJoCo any number")
             self._keep_shapes(world)
             self._keep_wheels(world)
             self.speeds: Any = wp.zeros((worlds, 2), dtype=wp.float32)
@@ -72,6 +76,32 @@ class ManyWorlds:
         self._gain = world.gains[0]
         self.model.callback.contactfilter, self.model.callback.control = self._turn, self._before_solving
         self._graphs: dict[int, Any] = {}
+
+    def place(self, starts: Sequence[Pose]) -> None:
+        """Put the robot of each world at a start of its own, before the first step."""
+        qpos = self.data.qpos.numpy()
+        for row, start in zip(qpos, starts, strict=True):
+            turn = np.zeros(4)
+            mujoco.mju_euler2Quat(turn, (start.roll, start.pitch, start.yaw), "XYZ")
+            row[:7] = (start.x, start.y, start.z, *turn)
+        self.data.qpos.assign(qpos)
+
+    def put_boxes(self, geoms: slice, centres: Array, halves: Array) -> None:
+        """Give each world its own boxes for these static geoms, before the first step.
+
+        centres, halves of the sides: (worlds, boxes, 3), metres
+        """
+        bounds = np.stack([np.zeros_like(halves), halves], axis=-2)
+        values = {"pos": centres, "size": halves, "aabb": bounds, "rbound": np.linalg.norm(halves, axis=-1)}
+        for name, own in values.items():
+            array = getattr(self.model, f"geom_{name}")
+            rows = np.repeat(array.numpy()[:1], self.worlds, axis=0)
+            rows[:, geoms] = own
+            setattr(self.model, f"geom_{name}", wp.array(rows, dtype=array.dtype, device=array.device))
+        # mujoco_warp does not compute the positions of static geoms again.
+        places = self.data.geom_xpos.numpy()
+        places[:, geoms] = centres
+        self.data.geom_xpos.assign(places)
 
     def drive(self, v: Any, w: Any) -> None:
         """Have robots drive at v, m/s forward, and w, rad/s counterclockwise: a number, or one for each world."""
@@ -113,6 +143,19 @@ class ManyWorlds:
             device=found.device,
         )
         return found
+
+    def depths(self) -> Array:
+        """Return the depth of the deepest contact in each world, (worlds,), metres; 0 without one."""
+        found = wp.zeros(self.worlds, dtype=wp.float32, device=self.data.qpos.device)
+        contact = self.data.contact
+        wp.launch(
+            kernels.find_depths,
+            dim=self.data.naconmax,
+            inputs=[self.data.nacon, contact.dist, contact.worldid],
+            outputs=[found],
+            device=found.device,
+        )
+        return np.asarray(found.numpy(), dtype=float)
 
     # A step, and what it calls back.
 

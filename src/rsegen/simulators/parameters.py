@@ -38,6 +38,25 @@ DriveSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="mujo
 """Simulator of commands that drive robots: MuJoCo gives the same result on every machine."""
 
 
+def _of_many_maps() -> Iterable[str]:
+    from rsegen.simulators.batch import BATCH
+    from rsegen.simulators.embedded import EMBEDDED
+
+    return *[*EMBEDDED][:1], *BATCH
+
+
+ManySimulator = Annotated[
+    str | None,
+    Reference(
+        "mujoco or mujoco-warp",
+        help="MuJoCo on all cores (mujoco), or MuJoCo Warp, all maps side by side on a GPU of CUDA, or slowly without "
+        "one (mujoco-warp)",
+        known=_of_many_maps,
+    ),
+    Shell(metavar="NAME", default="mujoco"),
+]
+"""Simulator of drives over many maps."""
+
 RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]
 
 Timeout = Annotated[

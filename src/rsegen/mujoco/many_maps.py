@@ -1,0 +1,89 @@
+"""A map and a robot in each of many worlds of MuJoCo Warp, for drives side by side.
+
+The boxes of a map are those of `rsegen.mujoco.map_model`, so worlds are those of `MujocoWorld`. All worlds of a batch
+have as many: what a map has fewer than the others is deep below the ground, where no robot comes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf
+from typing import Any, ClassVar
+
+import mujoco_warp as mjw
+import numpy as np
+
+from rsegen.field.stepfield import Array
+from rsegen.geometry.box_merging import boxes
+from rsegen.mujoco.many_worlds import ManyWorlds
+from rsegen.mujoco.map_model import NamedBoxes
+from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.turning import turn_gain
+from rsegen.mujoco.world import SINKS, MujocoWorld
+from rsegen.recipe.recipe import Recipe
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.batch import BatchWorlds
+from rsegen.simulators.embedded import PlacedRobot
+
+_UNUSED = (0.0, 0.0, -100.0), (0.01, 0.01, 0.01)
+"""Centre and half of the sides, metres, of a box that a map has not."""
+
+_NO_ROOM = int(mjw.OverflowType.ALL & ~mjw.OverflowType.EPA_HORIZON)
+
+
+class ManyMaps(BatchWorlds):
+    """Worlds of maps of one friction, each with a robot of one kind at its start.
+
+    many: the worlds; blocks: the numbers of the boxes' geoms
+    """
+
+    step_seconds: ClassVar[float] = STEP
+
+    def __init__(self, scenes: Sequence[Scene], placed: Sequence[PlacedRobot], motors: str) -> None:
+        maps = [boxes(scene.field) for scene in scenes]
+        most = max(1, *map(len, maps))
+        centres, halves = (np.tile(part, (len(maps), most, 1)) for part in _UNUSED)
+        for number, found in enumerate(maps):
+            centres[number, : len(found)], halves[number, : len(found)] = found.centres, found.sizes / 2
+        unused = (np.tile(part, (most, 1)) for part in _UNUSED)
+        named = NamedBoxes("map", np.zeros(3), [f"block_{number}" for number in range(most)], *unused)
+        flat = compose(Recipe(name="flat", boundary="none", friction=scenes[0].friction))
+        gains = [turn_gain(placed[0].robot)]
+        one = MujocoWorld(flat, placed[:1], motors=motors, period=inf, gains=gains, boxes=named)
+        self.many = ManyWorlds(one, len(scenes))
+        self.many.model.opt.warn_overflow = 0  # `problems` names them
+        first = one.model.geom(named.names[0]).id
+        self.blocks = slice(first, first + most)
+        self.many.put_boxes(self.blocks, centres, halves)
+        self.many.place([robot.start for robot in placed])
+
+    def poses(self) -> Array:
+        """Return where robots are, (worlds, 6)."""
+        x, y, z, a, b, c, d = self.many.poses().T
+        roll = np.arctan2(2 * (a * b + c * d), 1 - 2 * (b * b + c * c))
+        pitch = np.arcsin(np.clip(2 * (a * c - d * b), -1.0, 1.0))
+        yaw = np.arctan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))
+        return np.stack([x, y, z, roll, pitch, yaw], axis=-1)
+
+    def drive(self, v: Array, w: Array) -> None:
+        """Have robots drive at v, m/s forward, and w, rad/s counterclockwise, (worlds,)."""
+        self.many.drive(v, w)
+
+    def step(self, steps: int) -> None:
+        """Simulate this number of steps in all worlds."""
+        self.many.step(steps)
+
+    def problems(self) -> Mapping[int, str]:
+        """Return why worlds have no result: as in one world, or more contacts than there is room for."""
+        return dict(self._problems())
+
+    def _problems(self) -> Iterator[tuple[int, str]]:
+        data: Any = self.many.data
+        has_room = (data.overflow.numpy() & _NO_ROOM) == 0
+        is_finite = np.isfinite(data.qpos.numpy()).all(axis=-1)
+        has_sunk = self.many.depths() > SINKS
+        for world in np.flatnonzero(~has_room | ~is_finite | has_sunk).tolist():
+            if not is_finite[world]:
+                yield world, "the physics failed"
+            else:
+                yield world, "it sank in" if has_sunk[world] else "it had more contacts than there is room for"
