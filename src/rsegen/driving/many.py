@@ -3,8 +3,8 @@
     ManyPlan --execute--> ManyDrive for each map, in order --> ManyDrives: table, share, interval
 
 A drive is that of `rsegen drive` over the same map, bit by bit, wherever it is simulated; in a batch simulator it is
-that drive in 32 bits. One that has no result, as
-its physics failed, is a row that says so, and counts neither as crossed nor as not.
+that drive in 32 bits. One that has no result, as its physics failed, is a row that says so, and counts neither as
+crossed nor as not.
 
 The interval is Wilson's, which holds for shares near 0 and 1 too (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927). What
 breaks it: maps that are not independent, as those of a recipe without random obstacles.
@@ -212,13 +212,13 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     here = plan.batch or required_simulator("many drives need")
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
+    if plan.batch:
+        batches = _batches(plan, plan.batch, indices, execution)
+    else:
+        batches = execute(partial(_drives, plan), indices, _SECONDS, execution)
     drives: list[ManyDrive] = []
     try:
-        for batch in (
-            _batches(plan, plan.batch, indices, execution)
-            if plan.batch
-            else execute(partial(_drives, plan), indices, _SECONDS, execution)
-        ):
+        for batch in batches:
             drives += batch
             progress(len(batch))
     except KeyboardInterrupt:
@@ -238,12 +238,11 @@ def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
 
 def drive_over(plan: ManyPlan, index: int) -> ManyDrive:
     """Return the drive over one map; one that has no spot to start at has no result."""
-    scene = compose(plan.recipe, index)
+    scene, seed = compose(plan.recipe, index), plan.seed_of(index)
     try:
         simulator = required_simulator("many drives need")
         predictor = predictor_for(None, plan.motors) if plan.route == AlongWay.name else None
-        given = {"count": 1, "seed": plan.seed_of(index), "best": plan.best}
-        (run,), _ = planned_runs(predictor, scene, plan.robot, plan.route, **given)
+        (run,), _ = planned_runs(predictor, scene, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
         recording = record_embedded(simulator, scene, [run], plan.duration, contacts=False, motors=plan.motors)
     except (NoSpot, SimulatorFailed) as error:
         return _failed(plan, scene, error)
@@ -265,11 +264,10 @@ def _batches(
         scenes = [compose(plan.recipe, index) for index in indices[begin : begin + size]]
         runs = [robot_runs(scene.field, plan.robot, plan.route, count=1, seed=0)[0] for scene in scenes]
         worlds = simulator.worlds(scenes, runs, motors=plan.motors or MOTORS[0])
+        recordings = record_batch(simulator.title, worlds, runs, plan.duration)
         yield [
             _failed(plan, scene, made) if isinstance(made, SimulatorFailed) else _driven(plan, scene, run, made)
-            for scene, run, made in zip(
-                scenes, runs, record_batch(simulator.title, worlds, runs, plan.duration), strict=True
-            )
+            for scene, run, made in zip(scenes, runs, recordings, strict=True)
         ]
 
 

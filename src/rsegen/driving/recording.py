@@ -3,10 +3,9 @@
 The world stands still while the routes of all robots decide at their poses; then each gets its command, the world steps
 for a period, and contacts are sampled. So the machine's speed decides nothing: the same runs, world and simulator give
 the same trajectories. An embedded simulator keeps a record every 0.05 s, and counts contacts at every step. Poses of a
-server come from its own record, or from the robots' plug-ins. In a batch of worlds routes decide one after the other,
-which takes 5 microseconds each. Cost: that of the physics, and in a server a round trip
-per period; in Gazebo Classic 0.4 s, as its paused server answers five times a second (decision 10). A server that fails
-is started again, with new routes.
+server come from its own record, or from the robots' plug-ins. In a batch of worlds routes decide one after the other.
+Cost: that of the physics, and in a server a round trip per period; in Gazebo Classic 0.4 s, as its paused server
+answers five times a second (decision 10). A server that fails is started again, with new routes.
 """
 
 from __future__ import annotations

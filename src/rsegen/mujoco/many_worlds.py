@@ -146,7 +146,7 @@ class ManyWorlds:
 
     def depths(self) -> Array:
         """Return the depth of the deepest contact in each world, (worlds,), metres; 0 without one."""
-        found = wp.zeros(self.worlds, dtype=wp.float32, device=self.data.qpos.device)
+        found: Any = wp.zeros(self.worlds, dtype=wp.float32, device=self.data.qpos.device)
         contact = self.data.contact
         wp.launch(
             kernels.find_depths,
@@ -155,7 +155,8 @@ class ManyWorlds:
             outputs=[found],
             device=found.device,
         )
-        return np.asarray(found.numpy(), dtype=float)
+        depths: Array = found.numpy().astype(np.float64)
+        return depths
 
     # A step, and what it calls back.
 
