@@ -288,9 +288,8 @@ def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
         if isinstance(function, ast.Name):
             named = all(word.arg for word in node.keywords) if function.id == "dict" else not node.keywords
             if function.id == "map":  # of a function that may be called anyway
-                mapped = node.args[0] if node.args else None
-                return isinstance(mapped, ast.Name) and mapped.id in _CALLED and named
-            return function.id in _CALLED and named
+                function = node.args[0] if node.args else function
+            return isinstance(function, ast.Name) and function.id in _CALLED and named
         callable_names = _CALLED if _is_of_namespace(function) else _METHODS
         return isinstance(function, ast.Attribute) and not node.keywords and function.attr in callable_names
     if isinstance(node, ast.Attribute):
