@@ -471,5 +471,20 @@ def test_a_large_mesh_is_refused_before_mujoco_reads_it(tmp_path: Path, monkeypa
     file = touching_mesh(tmp_path)
     monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
     monkeypatch.setattr("rsegen.robots.mjcf_compile._compiled_without_hulls", lambda spec: pytest.fail("was compiled"))
-    with pytest.raises(FileError, match=r"hull\.stl: larger than 0 MiB"):
+    monkeypatch.setattr("rsegen.robots.mjcf_compile._MOST_STL_FACES", 100)
+    with pytest.raises(FileError, match=r"hull\.stl: 1,280 faces; .* up to 100; simplify it, or write it as OBJ"):
         from_file(file)
+    trimesh.load_mesh(tmp_path / "hull.stl").export(tmp_path / "hull.obj")
+    file.write_text(file.read_text("utf-8").replace("hull.stl", "hull.obj"))
+    with pytest.raises(FileError, match=r"hull\.obj: larger than 0 MiB, too large for a mesh of a robot; simplify it$"):
+        from_file(file)
+
+
+def test_a_mesh_of_a_form_that_mujoco_does_not_read_is_refused_with_advice(tmp_path: Path) -> None:
+    file = touching_mesh(tmp_path)
+    assert frames_of(from_file(file)).collisions()
+    trimesh.load_mesh(tmp_path / "hull.stl").export(tmp_path / "hull.stl", file_type="stl_ascii")
+    with pytest.raises(FileError, match=r"hull\.stl: of STL files MuJoCo reads binary ones alone; write it as such"):
+        from_file(file)
+    with pytest.raises(ValueError, match="STL"):
+        mujoco.MjModel.from_xml_path(str(file))

@@ -45,6 +45,18 @@ def trees(draw: st.DrawFn) -> list[Limb]:
     return limbs
 
 
+def test_negative_moments_count_with_the_link_that_theirs_is_fixed_to() -> None:
+    """As of an antenna with moments that are rounded: a simulator gets the sum."""
+    antenna = HEAVY.format("antenna").replace('ixx="1"', 'ixx="-0.5"')
+    robot = f'<robot name="r">{HEAVY.format("a")}{antenna}{JOINT.format("j", "fixed", "a", "antenna", "")}</robot>'
+    model = model_of(robot)
+    assert inertials(ModelFrames(model, "r"))["a"].mass == 2
+    (inertia,) = model.iter("inertia")
+    assert float(inertia.findtext("ixx", "")) == 0.5
+    with pytest.raises(FileError, match=r"link 'antenna': a principal moment of inertia of -0\.5 kg"):
+        model_of(f'<robot name="r">{antenna}</robot>')
+
+
 @given(trees())
 def test_links_joints_and_masses_are_those_that_mujoco_reads(limbs: list[Limb]) -> None:
     model = model_of(tree(limbs))
@@ -227,6 +239,11 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
         (HEAVY.format("a").replace('value="1"', 'value="-1"'), "link 'a': a mass of -1 kg is not above 0"),
         (HEAVY.format("a").replace('value="1"', 'value="1e300"'), "link 'a': mass: '1e300' is not a number"),
         (HEAVY.format("a").replace('ixx="1"', 'ixx="-1"'), "link 'a': a principal moment of inertia of -1 kg m^2 is"),
+        (
+            HEAVY.format("a") + HEAVY.format("b").replace('ixx="1"', 'ixx="-3"')
+            + JOINT.format("j", "fixed", "a", "b", ""),
+            "link 'a' with those that are fixed to it: a principal moment of inertia of -2 kg m^2 is negative",
+        ),
         (HEAVY.format("a").replace('ixx="1"', ""), "link 'a': ixx: '' is not a number"),
         (
             '<link name="a"><collision><geometry><cone/></geometry></collision>' + MASS + "</link>",

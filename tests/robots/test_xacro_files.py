@@ -26,6 +26,9 @@ NAMES: dict[str, Any] = {
     "table": {"a": [1, 2]},
     "math": math,
     "len": len,
+    "list": list,
+    "map": map,
+    "float": float,
     "dict": dict,
     "name": "a_b",
     "true": True,
@@ -174,6 +177,7 @@ def test_a_macro_may_take_the_items_of_a_list_one_by_one(tmp_path: Path) -> None
         ("name.find('b')", 2),
         ("'-'.join([name, 'c'])", "a_b-c"),
         ("[name, 'c'].pop(0)", "a_b"),
+        ("list(map(float, '1 2.5'.split()))", [1.0, 2.5]),
     ],
 )
 def test_expressions_calculate(expression: str, value: object) -> None:
@@ -202,6 +206,9 @@ def test_expressions_calculate(expression: str, value: object) -> None:
         "name.split('_')[0].format(r)",
         "table['a'].append(1)",
         "sorted([1], key=len)",
+        "list(map(map, [1], [2]))",
+        "list(map(name.format, [1]))",
+        "list(map(open, [name]))",
         "dict(**table)",
         "(len)(*[1])",
         "(len or len)([1])",
@@ -241,6 +248,16 @@ HEAVY = '<xacro:macro name="heavy" params="m"><mass value="${m}"/></xacro:macro>
 def test_macros_of_old_files_are_named(tmp_path: Path, inner: str, names: str) -> None:
     with pytest.raises(FileError, match=f"mine.xacro: there is no xacro: before the names of {names}, without which"):
         expanding(tmp_path, inner)
+
+
+@with_xacro
+@pytest.mark.slow
+def test_macros_of_included_files_are_not_called_without_xacro_before_them(tmp_path: Path) -> None:
+    (tmp_path / "wheels.xacro").write_text(f"<robot {SPACE}>{HEAVY}</robot>")
+    include = '<xacro:include filename="wheels.xacro"/>'
+    assert expanding(tmp_path, include).drive
+    with pytest.raises(FileError, match="there is no xacro: before the names of <heavy>, without which ROS expands"):
+        expanding(tmp_path, include + '<heavy m="2"/>')
 
 
 @with_xacro

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 
 import rsegen
+from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.scanning.meshes import _Raster, _spread, seen_from_above
@@ -107,6 +108,80 @@ def test_a_mesh_of_an_example_is_scanned_as_what_it_was_made_of(name: str, kind:
     assert any(np.array_equal(np.rot90(scan.levels, turns), wanted) for turns in range(4))
 
 
+def collada(path: Path, mesh: trimesh.Trimesh, up: str = "") -> Path:
+    """Write a mesh as COLLADA, with an axis up if one is given."""
+    places, corners = (" ".join(map(str, np.ravel(values).tolist())) for values in (mesh.vertices, mesh.faces))
+    path.write_text(
+        f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{up}</asset>
+        <library_geometries><geometry id="g"><mesh><source id="s"><float_array id="a">{places}</float_array>
+          <technique_common><accessor source="#a" stride="3"/></technique_common></source>
+          <vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+          <triangles><input semantic="VERTEX" source="#v" offset="0"/><p>{corners}</p></triangles></mesh></geometry>
+        </library_geometries><library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"/></node>
+        </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>"""
+    )
+    return path
+
+
+def y_up() -> trimesh.Trimesh:
+    """Blocks as glTF has them: their z is y, and their y is -z."""
+    mesh = slab(0.01)
+    return trimesh.Trimesh(mesh.vertices[:, [0, 2, 1]] * [1, 1, -1], mesh.faces, process=False)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_points")
+@pytest.mark.parametrize("name", ["field.glb", "plain.dae", "y_up.dae"])
+def test_an_axis_that_is_not_the_one_up_in_the_format_is_refused(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    if path.suffix == ".dae":
+        collada(path, y_up(), "<up_axis>Y_UP</up_axis>" if name == "y_up.dae" else "")
+    else:
+        y_up().export(path)
+    for up in ("z", "x", "-y"):
+        with pytest.raises(ParameterError, match=rf"up: .*{name} shows less from there than from y, its own axis up"):
+            rsegen.scan(path, rsegen.ScanOptions(up=up))
+    for up in (None, "y"):
+        found = rsegen.scan(path, rsegen.ScanOptions(up=up)).scan.blocks
+        assert any(np.array_equal(np.rot90(found, turns), LEVELS) for turns in range(4))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_points")
+def test_a_file_that_is_not_as_its_format_has_it_is_scanned_from_the_axis_that_is_given(tmp_path: Path) -> None:
+    slab(0.01).export(tmp_path / "z_up.glb")
+    for path in (tmp_path / "z_up.glb", collada(tmp_path / "z_up.dae", slab(0.01))):
+        scanned = rsegen.scan(path, rsegen.ScanOptions(up="z"))
+        assert scanned.clearer_up is None
+        assert any(np.array_equal(np.rot90(scanned.scan.blocks, turns), LEVELS) for turns in range(4))
+
+
+@pytest.mark.usefixtures("few_points")
+def test_the_axis_that_shows_more_than_the_given_one_is_named() -> None:
+    for up in ((0, 1, 0), (0, 0, -1)):
+        clearer = seen_from_above(slab(0.01), up).clearer
+        assert clearer is not None
+        assert clearer * np.sign(up[1] * clearer[2] or 1) == pytest.approx((0, 0, 1), abs=1e-6)
+    assert seen_from_above(slab(0.01), (0, 0, 1)).clearer is None
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_points")
+def test_the_parts_of_a_mesh_are_scanned_as_one(tmp_path: Path) -> None:
+    """As `rsegen generate --to urdf` writes them: the open surface of each level in a file of its own."""
+    mesh = slab(0.01)
+    tops = np.round(mesh.triangles[:, :, 2].max(axis=1), 3)
+    parts = []
+    for number, height in enumerate(np.unique(tops)):
+        part = trimesh.Trimesh(mesh.vertices, mesh.faces[tops == height])
+        part.apply_scale(1000)
+        part.export(path := tmp_path / f"{number}.obj")
+        parts.append(path)
+    assert len(parts) == LEVELS.max() + 2  # one has the underside of the slab
+    found = rsegen.scan(parts, rsegen.ScanOptions(values="mm")).scan.blocks
+    assert any(np.array_equal(np.rot90(found, turns), LEVELS) for turns in range(4))
+
+
 def heights_over(points: Array, low: float, high: float) -> Array:
     """The heights of the points whose x and y are both between these."""
     return np.asarray(points[((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1), 2])
@@ -125,9 +200,10 @@ def test_nothing_that_is_covered_is_seen() -> None:
 
 
 def test_a_box_stands_on_the_ground_around_it() -> None:
-    points, up, _ = seen_from_above(trimesh.creation.box((2, 2, 0.5)), (0, 0, 1))
-    assert up is not None
-    assert up == pytest.approx((0, 0, 1))
+    seen = seen_from_above(trimesh.creation.box((2, 2, 0.5)), (0, 0, 1))
+    points = seen.points
+    assert seen.up is not None
+    assert seen.up == pytest.approx((0, 0, 1))
     assert np.unique(np.round(points[:, 2], 6)).tolist() == [-0.25, 0.25]
     on_top = np.abs(points[:, :2]).max(axis=1) < 0.97
     assert (points[on_top, 2] > 0).mean() > 0.999

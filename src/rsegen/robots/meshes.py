@@ -68,11 +68,15 @@ def read_mesh(path: Path) -> Triangles:
     return read_by_library(path, triangles)
 
 
-def refuse_large(path: Path, size: int) -> None:
-    """Raise a FileError for a file of a mesh of too many bytes; binary STL files may have more."""
+def refuse_large(path: Path, size: int, advice: str = "") -> None:
+    """Raise a FileError for a file of a mesh of too many bytes; binary STL files may have more.
+
+    advice: what to do instead of writing such a file
+    """
     if size > MAX_MESH_MIB << 20:
         why = f"larger than {MAX_MESH_MIB} MiB, too large for a mesh of a robot"
-        raise FileError(f"{path}: {why}; simplify it, or write it as binary STL, of up to {_MAX_STL_MIB} MiB")
+        advice = advice or f"simplify it, or write it as binary STL, of up to {_MAX_STL_MIB} MiB"
+        raise FileError(f"{path}: {why}; {advice}")
 
 
 def mesh_bounds(path: Path) -> tuple[Array, Array]:
@@ -100,11 +104,15 @@ _HEADER, _FACE = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)),
 
 def _of_binary_stl(path: Path, file: IO[bytes]) -> Array | None:
     """Return the corners of the triangles of an open STL file, (n, 3, 3); None of one that is not binary."""
-    size = os.fstat(file.fileno()).st_size
-    if path.suffix.lower() != ".stl" or not _HEADER <= size <= _MAX_STL_MIB << 20:
+    if path.suffix.lower() != ".stl" or os.fstat(file.fileno()).st_size > _MAX_STL_MIB << 20:
         return None
-    count = int.from_bytes(file.read(_HEADER)[-4:], "little")
-    if size != _HEADER + count * _FACE.itemsize:
+    if binary_faces(file) is None:
         file.seek(0)
         return None
     return np.frombuffer(file.read(), _FACE)["corners"]
+
+
+def binary_faces(file: IO[bytes]) -> int | None:
+    """Return the number of faces that follow in an open STL file; None of one that is not binary, or is cut."""
+    count = int.from_bytes(file.read(_HEADER)[-4:], "little")
+    return count if os.fstat(file.fileno()).st_size == _HEADER + count * _FACE.itemsize else None

@@ -20,13 +20,16 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import Triangles
 from rsegen.input_files import open_regular, silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import SUFFIXES, inline_uri, refuse_large
+from rsegen.robots.meshes import SUFFIXES, binary_faces, inline_uri, refuse_large
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""
 
 _MOST_FILES, _MOST_COPIES = 100, 10_000
 """Files that are included at most, and copies that <replicate> makes of its content; robots have some ten of both."""
+
+_MOST_STL_FACES = 200_000
+"""Faces of an STL file that MuJoCo reads at most."""
 
 _MUJOCO_READS = ".xml"
 """Ending of the files that MuJoCo reads; any other one is read for it, and given under a name with this ending."""
@@ -62,8 +65,7 @@ def compiled(root: Element, where: str) -> Compiled:
             spec = _spec(os.fspath(Path(where).absolute()))
             missing = _take_out_unneeded(spec, folder, where)
             for mesh in filter(lambda mesh: mesh.file, spec.meshes):
-                path = folder / (spec.meshdir or "") / mesh.file
-                refuse_large(path, os.path.getsize(path))  # before MuJoCo takes long for it
+                _refuse_mesh(folder / (spec.meshdir or "") / mesh.file, mesh.content_type)
             spec.memory = -1  # what a file asks for may not be there
             model = _compiled_without_hulls(spec)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
@@ -73,6 +75,22 @@ def compiled(root: Element, where: str) -> Compiled:
     names = [model.mesh(mesh).name for mesh in range(model.nmesh)]
     meshes = [_uri_and_pose(model, mesh, spec.mesh(name), folder) for mesh, name in enumerate(names)]
     return Compiled(model, name, meshes, missing)
+
+
+def _refuse_mesh(path: Path, content_type: str) -> None:
+    """Raise a FileError for a mesh that MuJoCo does not read, or for which it takes long."""
+    if not (content_type or path.suffix).lower().endswith("stl"):
+        refuse_large(path, os.path.getsize(path), "simplify it")
+        return
+    with open_regular(path) as file:
+        faces = binary_faces(file)
+    if faces is None:
+        raise FileError(f"{path}: of STL files MuJoCo reads binary ones alone; write it as such a file, or as OBJ")
+    if faces > _MOST_STL_FACES:
+        raise FileError(
+            f"{path}: {faces:,} faces; of an STL file MuJoCo reads up to {_MOST_STL_FACES:,}; simplify it, or "
+            "write it as OBJ"
+        )
 
 
 def _compiled_without_hulls(spec: Any) -> Any:

@@ -199,7 +199,8 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
         if inertial is not None:
             where = f"{frames.where}: link {shown(link)}"
             (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
-            refuse_inertia(mass, inertia_tensor(link, element, frames), where)
+            refuse_mass(mass, where)
+            refuse_moments(inertia_tensor(link, element, frames), where)
             place = place @ frames.local(inertial)
         by_link[link] = Inertial(mass, place[:3, 3])
     return by_link
@@ -216,10 +217,14 @@ def is_impossible(tensor: Array) -> bool:
     return bool(largest - (a + b) > _ROUNDED * largest)
 
 
-def refuse_inertia(mass: float, tensor: Array, where: str) -> None:
-    """Raise a FileError for a mass that is not positive, or a tensor of inertia, (3, 3), with a negative moment."""
+def refuse_mass(mass: float, where: str) -> None:
+    """Raise a FileError for a mass that is not positive."""
     if not mass > 0:
         raise FileError(f"{where}: a mass of {mass:g} kg is not above 0")
+
+
+def refuse_moments(tensor: Array, where: str) -> None:
+    """Raise a FileError for a tensor of inertia, (3, 3), with a negative moment."""
     moments = np.linalg.eigvalsh(tensor)
     if moments[0] < -_NOISE * moments[2]:
         raise FileError(f"{where}: a principal moment of inertia of {moments[0]:g} kg m^2 is negative")

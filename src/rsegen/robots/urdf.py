@@ -36,7 +36,7 @@ from rsegen.robots.sdf_elements import (
     put_all,
     sum_of_masses,
 )
-from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
+from rsegen.robots.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
 
 _VERSION = "1.7"
 """The version of SDF that is written: the latest that Gazebo Classic reads."""
@@ -167,6 +167,7 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
     masses = {
         head: sum_of_masses((bodies[name], place) for name, place in parts.items()) for head, parts in merged.items()
     }
+    _refuse_moments_of(masses, merged, where)
     left_out = _left_out(source, above, masses)
 
     sdf = Element("sdf", version=_VERSION)
@@ -274,6 +275,17 @@ _MOST_NAMED = 5
 """Links in a message at most."""
 
 
+def _refuse_moments_of(masses: Mapping[str, Mass], merged: Mapping[str, Collection[str]], where: str) -> None:
+    """Raise a FileError for a link that has a negative moment of inertia with those that are fixed to it.
+
+    Not for one of these alone, as an antenna whose moments are rounded: simulators get the sum.
+    """
+    for head, parts in merged.items():
+        if masses[head].mass:
+            fixed = " with those that are fixed to it" if len(parts) > 1 else ""
+            refuse_moments(masses[head].tensor, f"{where}: link {shown(head)}{fixed}")
+
+
 def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, Mass]) -> dict[str, None]:
     """Return the links that have no mass, and those below them; FileError if this is the root."""
     left_out: dict[str, None] = {}
@@ -309,7 +321,7 @@ def _body(link: Element, where: str) -> Mass:
         return NO_MASS
     inertia = inertial.find("inertia")
     tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in MOMENTS])
-    refuse_inertia(mass, tensor, where)
+    refuse_mass(mass, where)
     return moved(Mass(mass, np.zeros(3), tensor), _origin(inertial, where))
 
 

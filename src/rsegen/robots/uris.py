@@ -67,7 +67,7 @@ def _advice(uri: str, file: Path) -> str:
     scheme, separator, rest = uri.partition("://")
     if separator and scheme in ("model", "package"):
         name, _, inner = rest.lstrip("/").partition("/")
-        folder = found_uri(f"{scheme}://{name}", file)
+        folder = found_package(name, file)
         if folder is None:
             return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
         return f"there is no {inner} in {folder}"

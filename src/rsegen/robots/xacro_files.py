@@ -17,7 +17,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import count
@@ -103,6 +103,11 @@ def bare_macros(text: str) -> tuple[str, ...]:
     return tuple(sorted(ours, reverse=True))
 
 
+def _without_prefix(bare: Iterable[str]) -> str:
+    names = ", ".join(f"<{name}>" for name in bare)
+    return f"there is no xacro: before the names of {names}, without which ROS expands nothing"
+
+
 def with_arguments(file: str) -> tuple[str, dict[str, str]]:
     """Return the path and the arguments in FILE NAME:=VALUE ..., as ROS's xacro takes them on a command line."""
     match = re.search(r"(?:\s+[A-Za-z_]\w*:=\S*)+\s*$", file, re.ASCII)
@@ -117,8 +122,7 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
     An argument that is not given has its default.
     """
     if bare := bare_macros(text):
-        names = ", ".join(f"<{name}>" for name in bare)
-        raise FileError(f"{where}: there is no xacro: before the names of {names}, without which ROS expands nothing")
+        raise FileError(f"{where}: {_without_prefix(bare)}")
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
@@ -157,6 +161,9 @@ def main(where: str) -> int:
         resource.setrlimit(resource.RLIMIT_CPU, (task["seconds"], task["seconds"] + 1))
     try:
         text = _expanded(task["text"], where, task["arguments"], missing)
+    except FileError as error:
+        result.write(str(error))
+        return 1
     except Exception as error:  # macros fail in as many ways as programs
         result.write(_reason(error, missing))
         return 1
@@ -210,27 +217,37 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
             missing[inner.package] = None
 
     xacro.get_include_files = found_files
-    xacro.eval_all = _counted(xacro.eval_all)
+    macros = set[str]()
+    xacro.eval_all = _counted(xacro.eval_all, macros)
     xacro.safe_eval = _evaluated
     substitution_args._eval_find = partial(_package, where)
     substitution_args._eval = _calculated
     xacro.init_stacks(where)
     document = xacro.parse(text)
     xacro.process_doc(document, mappings=dict(arguments))
-    result: str = document.documentElement.toxml()
+    root = document.documentElement
+    tags = {getattr(e, "tagName", "") for of in (root, *root.getElementsByTagName("link")) for e in of.childNodes}
+    if bare := tags & (macros - _OF_URDF):  # of files that are included
+        raise FileError(_without_prefix(sorted(bare)))
+    result: str = root.toxml()
     if len(result) > _LARGEST:
         raise ValueError(f"its macros make {len(result) / 2**20:.0f} MiB of it")
     return result
 
 
-def _counted(expand: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the function that expands an element, with a ValueError when it is called for too many of them."""
+def _counted(expand: Callable[..., Any], names: set[str]) -> Callable[..., Any]:
+    """Return the function that expands an element, with a ValueError when it is called for too many of them.
+
+    names: gets those of the macros of the whole file
+    """
     calls = count(1)
 
-    def counted(*arguments: Any, **named: Any) -> Any:
-        if next(calls) > _ELEMENTS:
+    def counted(node: Any, macros: Any, symbols: Any) -> Any:
+        if (call := next(calls)) > _ELEMENTS:
             raise ValueError(f"its macros make more than {_ELEMENTS:,} elements")
-        return expand(*arguments, **named)
+        expand(node, macros, symbols)
+        if call == 1:
+            names.update(macros)
 
     return counted
 
@@ -241,7 +258,9 @@ def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | N
     roots = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     for node in ast.walk(tree):
         if not _is_harmless(node, is_before_dot=id(node) in roots):
-            raise ValueError(f"{ast.unparse(node)} is more than arithmetic, and is not evaluated")
+            raise ValueError(
+                f"{ast.unparse(node)} is more than arithmetic, and is not evaluated; expand it by ROS's xacro"
+            )
     names.update(__builtins__={})
     with _timed():
         value = eval(compile(tree, "<expression>", "eval"), names, inner)  # noqa: S307  # only what was looked at
@@ -268,7 +287,9 @@ def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
         function = node.func
         if isinstance(function, ast.Name):
             named = all(word.arg for word in node.keywords) if function.id == "dict" else not node.keywords
-            return function.id in _CALLED and named
+            if function.id == "map":  # of a function that may be called anyway
+                function = node.args[0] if node.args else function
+            return isinstance(function, ast.Name) and function.id in _CALLED and named
         callable_names = _CALLED if _is_of_namespace(function) else _METHODS
         return isinstance(function, ast.Attribute) and not node.keywords and function.attr in callable_names
     if isinstance(node, ast.Attribute):

@@ -16,13 +16,13 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
-from rsegen.geometry.collada import read_collada
+from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import Extra, pip_install
@@ -31,6 +31,9 @@ from rsegen.scanning import BAG, E57, SCAN
 from rsegen.scanning.meshes import Cloud, seen_from_above
 from rsegen.scanning.recordings import bag_points, e57_points
 from rsegen.scanning.scan_options import CLOUDS
+
+if TYPE_CHECKING:
+    import trimesh
 
 MOST_POINTS = 20_000_000
 """Points of a file at most: some 2 GB of memory while it is read."""
@@ -63,6 +66,9 @@ _LOOKED_AT = 1000
 
 _OF_AXIS = re.compile(r"^([xyz])\s*(?:[\[(/_ ].*)$")
 """The title of a column with its unit."""
+
+_COLLADA_UP, _ALONG = re.compile(r"<up_axis>\s*([XYZ])_UP"), 0.9
+"""The axis up of a COLLADA file, y if it has none; and the cosine from which on a direction is along an axis."""
 
 _MOST_COLUMNS, _OF_POINTS = 8, 20
 """Numbers of a point of an array at most, as x, y, z, intensity, and colours; and times as many points that it has at
@@ -100,36 +106,56 @@ def read_clouds(
     has no points.
     """
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
-        clouds = [_read(path, values, intrinsics, up, topic) for path in paths]
-    known = next((cloud.up for cloud in clouds if cloud.up is not None), None)
-    facing = next((cloud.facing for cloud in clouds if cloud.facing is not None), None)
-    return Cloud(np.concatenate([cloud.points for cloud in clouds]), known, facing)
+        read = [_read(path, values, intrinsics, topic) for path in paths]
+        meshes = [part for part in read if not isinstance(part, np.ndarray)]
+        clouds = [Cloud(part) for part in read if isinstance(part, np.ndarray)]
+        if meshes:
+            clouds.append(_of_meshes(paths, meshes, up))
+    return clouds[-1]._replace(points=np.concatenate([cloud.points for cloud in clouds]))
 
 
-def _read(
-    path: Path, values: str | None, intrinsics: Intrinsics | None, up: Sequence[float] | None, topic: str | None
-) -> Cloud:
+def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: str | None) -> Array | trimesh.Trimesh:
+    """Return the points (n, 3) of a file, or its mesh, metres."""
     if not is_cloud(path):
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
-    form, mesh = CLOUDS[path.suffix.lower()], Cloud(np.empty((0, 3)))
+    form = CLOUDS[path.suffix.lower()]
     if topic is not None and form != "bag":
         raise ParameterError("topic", f"{path} is no bag, and has no topics")
     if values is not None and path.suffix.lower() == ".dae":
         raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
-    if form == "bag":
-        numbers, usual = _bag(path, topic), "m"
-    elif form == "mesh":
-        mesh, usual = _mesh(path, up), "m"
-        numbers = mesh.points
-    else:
-        numbers, usual = _READERS[form](path)
+    numbers, usual = _READERS[form](path) if form != "bag" else (_bag(path, topic), "m")
+    metres = CENTIMETRES[values or usual] / 100
+    if not isinstance(numbers, np.ndarray):
+        return numbers.apply_scale(metres)
     if numbers.ndim == 2 and numbers.shape[1] != 3:
-        points = _of_depth(path, numbers, intrinsics)
-    elif intrinsics is not None:
+        return _of_depth(path, numbers, intrinsics) * metres
+    if intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
-    else:
-        points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
-    return mesh._replace(points=points * (CENTIMETRES[values or usual] / 100))
+    return np.asarray(numbers.reshape(-1, 3), dtype=np.float64) * metres
+
+
+def _of_meshes(paths: Sequence[Path], meshes: Sequence[trimesh.Trimesh], up: Sequence[float] | None) -> Cloud:
+    """Return what is seen of meshes together, as each may be a part of a field: of one level, or one material."""
+    import trimesh
+
+    parts = trimesh.util.append_faces([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])
+    cloud = seen_from_above(trimesh.Trimesh(*parts, process=False), up)
+    if not len(cloud.points):
+        raise FileError(f"{paths[0]}: has no faces with an area")
+    if up is not None and cloud.clearer is not None:
+        for path in paths:
+            if (axis := _axis_up(path)) and abs(np.eye(3)["xyz".index(axis)] @ cloud.clearer) > _ALONG:
+                raise ParameterError(
+                    "up", f"{path} shows less from there than from {axis}, its own axis up; leave it out"
+                )
+    return cloud
+
+
+def _axis_up(path: Path) -> str | None:
+    """Return the axis that is up in a file by its format: x, y or z; None if the format has none."""
+    if path.suffix.lower() == ".dae":
+        return (_COLLADA_UP.findall(text_of(path, MAX_MESH_MIB, "a mesh")) or ["Y"])[0].lower()
+    return "y" if path.suffix.lower() in (".glb", ".gltf") else None
 
 
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
@@ -211,25 +237,23 @@ def _columns(path: Path, titles: str, line: str) -> tuple[int, ...]:
     return tuple(names.index(axis) for axis in "xyz")
 
 
-def _mesh(path: Path, up: Sequence[float] | None) -> Cloud:
-    """Return the points of a cloud, or what is seen of a mesh from above; metres if the file has a unit."""
+def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
+    """Return the points of a cloud, or a mesh; metres if the file has a unit."""
 
-    def read() -> Cloud:
+    def read() -> Any:
         import trimesh
 
         if path.suffix.lower() == ".dae":  # in metres, whatever its unit is
-            return seen_from_above(trimesh.Trimesh(*read_collada(path), process=False), up)
+            return trimesh.Trimesh(*read_collada(path), process=False)
         with open_regular(path) as file:
             beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
             loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)
-        if isinstance(loaded, trimesh.Scene):
-            loaded = loaded.to_geometry()
-        if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
-            return seen_from_above(loaded, up)
-        return Cloud(np.asarray(getattr(loaded, "vertices", np.empty((0, 3)))))
+        return loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
 
-    cloud = _by_library(path, read)
-    return cloud._replace(points=_checked(path, cloud.points))
+    loaded = _by_library(path, read)
+    if len(getattr(loaded, "faces", ())):
+        return loaded, "m"
+    return _checked(path, np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))), "m"
 
 
 def _pcd(path: Path) -> tuple[Array, str]:
@@ -312,7 +336,7 @@ def _refuse_many(path: Path, points: int) -> None:
         raise FileError(f"{path}: {points:,} points; at most {MOST_POINTS:,} are allowed")
 
 
-_READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
-    {"text": _text, "pcd": _pcd, "las": _las, "e57": _e57, "array": _array, "image": _image}
+_READERS: Mapping[str, Callable[[Path], tuple[Array | trimesh.Trimesh, str]]] = MappingProxyType(
+    {"text": _text, "mesh": _mesh, "pcd": _pcd, "las": _las, "e57": _e57, "array": _array, "image": _image}
 )
-"""Readers of files but meshes: of points (n, 3), or depths (rows, columns), and their usual unit."""
+"""Readers of files but bags: of points (n, 3), depths (rows, columns), or a mesh, and their usual unit."""

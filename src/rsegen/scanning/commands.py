@@ -57,7 +57,9 @@ class _Fit:
 def add_scan(command: Parser) -> None:
     """Add the flags of `rsegen scan`."""
     epilog = "The cloud must show some floor around the field; rsegen finds the ground, the grid and all levels. "
-    epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
+    epilog += (
+        "Several files are views or parts of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
+    )
     command.explain(_Fit.__doc__, epilog)
     command.add_argument(
         "clouds", nargs="+", metavar="CLOUD", help=f"files: {', '.join('*' + name for name in CLOUDS)}"
@@ -113,6 +115,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         f"({written.measured(scan.measured_width)} measured), unit {unit} "
         f"({written.measured(scan.measured_unit)} measured), {frames}"
     )
+    yield from _other_axis(scanned, options)
     # Then what was assumed and what is doubtful, each with the flag that settles it.
     if options.block_width_cm is None:
         yield from _doubt(scan)
@@ -142,6 +145,13 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     unsure = scan.seen & (scan.confidence < SURE)
     if unsure.any():
         yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
+
+
+def _other_axis(scanned: ScannedMap, options: ScanOptions) -> Iterator[str]:
+    """Yield a line if more of a mesh is seen from another axis than from the one that is given as up."""
+    if scanned.clearer_up is not None:
+        given_as, other = f"{options.up}, which is given as up", scanned.clearer_up
+        yield f"warning: the mesh shows less from {given_as}, than from {other} (--up)"
 
 
 _DOUBTFUL = 0.5

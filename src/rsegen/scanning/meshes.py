@@ -65,11 +65,13 @@ class Cloud(NamedTuple):
     """Points (n, 3), and the direction up (3,) of the object in them, None if it is not known.
 
     facing: the direction (3,) to which an open surface looks, as its faces are wound: up, if they are wound rightly
+    clearer: the direction (3,) from which more of a mesh, or of its heights, is seen than from the one given as up
     """
 
     points: Array
     up: Array | None = None
     facing: Array | None = None
+    clearer: Array | None = None
 
 
 def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:
@@ -79,17 +81,18 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     """
     normals, areas = np.asarray(mesh.face_normals), np.asarray(mesh.area_faces)
     directions = list(_directions(normals, areas))
-    if up is not None:
-        wanted = np.asarray(up, dtype=float) / np.linalg.norm(up)
-        near = [turned for normal in directions if (turned := normal * np.sign(normal @ wanted)) @ wanted > _APART]
-        directions = near or [wanted]
+    wanted = None if up is None else np.asarray(up, dtype=float) / np.linalg.norm(up)
+    if wanted is not None:
+        directions = [normal * (np.sign(normal @ wanted) or 1.0) for normal in directions]
+        if not any(normal @ wanted > _APART for normal in directions):
+            directions.append(wanted)
     views = [_view(mesh, normals, areas, direction, _SPREAD_ROUGHLY) for direction in directions]
     if not views or not any(view.area for view in views):
         return Cloud(np.empty((0, 3)))
     best = int(np.argmax([view.area for view in views]))
+    if wanted is not None:
+        return _seen_along(wanted, mesh, directions, views)
     direction, side = directions[best], views[best].range
-    if up is not None:
-        return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points(), direction)
     other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
     if other > side:
         direction, side, other = -direction, other, side
@@ -99,6 +102,19 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     along = areas * (normals @ direction)
     looks = float(along.sum() / np.abs(along).sum())
     return Cloud(points, None, direction * np.sign(looks) if abs(looks) > _LOOKING else None)
+
+
+def _seen_along(wanted: Array, mesh: trimesh.Trimesh, directions: Sequence[Array], views: Sequence[_View]) -> Cloud:
+    """Return what is seen from a direction, or the one near it from which most is, and whether another shows more."""
+    normals, areas = np.asarray(mesh.face_normals), np.asarray(mesh.area_faces)
+    seen = [view.area * (direction @ wanted > _APART) for view, direction in zip(views, directions, strict=True)]
+    best, chosen = int(np.argmax([view.area for view in views])), int(np.argmax(seen))
+    direction, clearer = directions[chosen], None
+    if views[best].area > _FLATTER * seen[chosen]:
+        clearer = directions[best]
+    elif _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range > _FLATTER * views[chosen].range:
+        clearer = -direction
+    return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points(), direction, None, clearer)
 
 
 def _directions(normals: Array, areas: Array) -> Iterator[Array]:

@@ -48,7 +48,11 @@ class ScanOptions:
         Text(r"[^\s]{1,255}", "the name of a topic", help="topic of a bag with clouds; default: the only one with any"),
     ] = None
     up: Annotated[
-        str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: estimated")
+        str | None,
+        Choice(
+            tuple(_UPWARDS),
+            help="axis of the numbers in the file that is nearly up, as --up=-y (y in glTF); default: estimated",
+        ),
     ] = None
     size: Annotated[
         Cell | None,

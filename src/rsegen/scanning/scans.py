@@ -45,11 +45,14 @@ class ScannedMap:
         The field as a recipe of one map.
     points : ndarray, shape (n, 3)
         The points that it was read from, metres, in the frame of the clouds.
+    clearer_up : str or None
+        The axis from which more of a mesh, or of its heights, is seen than from the one that was given as up.
     """
 
     scan: Scan
     recipe: Recipe
     points: Array
+    clearer_up: str | None = None
 
     @cached_property
     def field(self) -> StepField:
@@ -115,7 +118,12 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
     options = options or ScanOptions()
     cloud, settings, name = _cloud(clouds, options)
     field = _found(cloud, settings)
-    return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=cloud.points)
+    return ScannedMap(
+        scan=field,
+        recipe=_recipe(field, name, fill_holes=options.fill_holes),
+        points=cloud.points,
+        clearer_up=None if cloud.clearer is None else _axis(cloud.clearer),
+    )
 
 
 def compare(
@@ -190,6 +198,12 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
 def _vector(direction: Array) -> tuple[float, float, float]:
     x, y, z = direction.tolist()
     return x, y, z
+
+
+def _axis(direction: Array) -> str:
+    """Return the axis that is nearest to a direction, as options have it."""
+    at = int(np.abs(direction).argmax())
+    return f"{'-' if direction[at] < 0 else ''}{'xyz'[at]}"
 
 
 def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
