@@ -141,8 +141,8 @@ def test_an_axis_that_is_not_the_one_up_in_the_format_is_refused(name: str, tmp_
     for up in ("z", "x", "-y"):
         with pytest.raises(ParameterError, match=rf"up: .*{name} shows less from there than from y, its own axis up"):
             rsegen.scan(path, rsegen.ScanOptions(up=up))
-    for up in (None, "y"):
-        found = rsegen.scan(path, rsegen.ScanOptions(up=up)).scan.blocks
+    for right in (None, "y"):
+        found = rsegen.scan(path, rsegen.ScanOptions(up=right)).scan.blocks
         assert any(np.array_equal(np.rot90(found, turns), LEVELS) for turns in range(4))
 
 

@@ -126,7 +126,8 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     numbers, usual = _READERS[form](path) if form != "bag" else (_bag(path, topic), "m")
     metres = CENTIMETRES[values or usual] / 100
     if not isinstance(numbers, np.ndarray):
-        return numbers.apply_scale(metres)
+        numbers.apply_scale(metres)
+        return numbers
     if numbers.ndim == 2 and numbers.shape[1] != 3:
         return _of_depth(path, numbers, intrinsics) * metres
     if intrinsics is not None:
@@ -154,7 +155,8 @@ def _of_meshes(paths: Sequence[Path], meshes: Sequence[trimesh.Trimesh], up: Seq
 def _axis_up(path: Path) -> str | None:
     """Return the axis that is up in a file by its format: x, y or z; None if the format has none."""
     if path.suffix.lower() == ".dae":
-        return (_COLLADA_UP.findall(text_of(path, MAX_MESH_MIB, "a mesh")) or ["Y"])[0].lower()
+        named = _COLLADA_UP.search(text_of(path, MAX_MESH_MIB, "a mesh"))
+        return named[1].lower() if named else "y"
     return "y" if path.suffix.lower() in (".glb", ".gltf") else None
 
 
