@@ -141,7 +141,8 @@ def _in_classic(scene: Scene, run: RobotRun) -> list[bool]:
     try:
         with world_of(scene, None).on_disk() as file:
             recording = record_drive(here, file, [erring], _CLASSIC_SECONDS, contacts=False)
-    except SimulatorFailed:
+    except SimulatorFailed as error:
+        print(f"no result in Gazebo Classic: {error}", file=sys.stderr)
         return []
     return [driven_robot(erring, scene, recording, Straight.name).metrics.crossed is not None]
 
@@ -242,7 +243,7 @@ def draw(record: Mapping[str, Any]) -> None:
 
     rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
     judges = {"mujoco": "MuJoCo", "classic": "Gazebo Classic"}
-    judges = {judge: title for judge, title in judges.items() if any(row["judge"] == judge for row in rows)}
+    judges = {judge: title for judge, title in judges.items() if any(row["judge"] == judge and row["of"] for row in rows)}
     figure = Figure(figsize=(5.2 * len(judges), 4.6), dpi=100, layout="constrained")
     for axes, (judge, title) in zip(np.atleast_1d(figure.subplots(1, len(judges))), judges.items(), strict=True):
         own = [row for row in rows if row["judge"] == judge and row["of"]]

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from concurrent.futures import wait as finished
@@ -25,6 +28,7 @@ from rsegen.recipe.codec import decode
 from rsegen.writing import execute as execute_module
 from rsegen.writing import stop
 from rsegen.writing.execute import Execution, execute
+from rsegen.writing.programs import LaunchCommand, running
 from tests.support.complaints import exit_code, the_line
 from tests.support.long import long_unless
 from tests.support.patience import PATIENCE
@@ -230,6 +234,32 @@ def test_workers_end_in_the_middle_of_long_results() -> None:
     assert len(workers) >= 2
     results.close()  # while the other worker sends its own: this waited for the rest of it for ever
     assert not any(worker.is_running() for worker in workers)
+
+
+POLITE = 'trap "echo asked >>told; exit 0" INT; echo begun >>told; while :; do sleep 0.05; done'
+
+
+def end_politely(folders: Sequence[str]) -> list[int]:
+    """In a worker: the process that has started and ended servers."""
+    for folder in map(Path, folders):
+        launch = LaunchCommand(command=("/bin/sh", "-c", POLITE), environment={}, folder=folder)
+        with running(launch, subprocess.DEVNULL):
+            end = time.monotonic() + PATIENCE
+            while not (folder / "told").exists() and time.monotonic() < end:
+                time.sleep(0.01)
+    return [os.getpid()]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="sessions of processes are POSIX")
+def test_a_server_of_a_worker_is_asked_before_it_is_killed(tmp_path: Path) -> None:
+    """Workers must not hand on to servers that signals are blocked or ignored: records of drives were cut by it."""
+    folders = [tmp_path / name for name in "ab"]
+    for folder in folders:
+        folder.mkdir()
+    processes = execute(end_politely, [*map(str, folders)], 20.0, Execution(workers=2))
+    assert os.getpid() not in [one for batch in processes for one in batch]
+    assert [(folder / "told").read_text() for folder in folders] == ["begun\nasked\n"] * 2
 
 
 @pytest.mark.slow

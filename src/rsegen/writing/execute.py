@@ -215,7 +215,10 @@ def _no_signals_for_new_processes() -> Iterator[None]:
 
 
 def _start_worker(parent_stops: Connection) -> None:
-    """Run first in a worker: ignore the signals, and end it when the process that started it is gone, or stops."""
+    """Run first in a worker: let signals do nothing, and end it when the process that started it is gone, or stops.
+
+    They are caught, not ignored or blocked, as what a worker starts would inherit that, and could not be ended by them.
+    """
     import multiprocessing
     import threading
     from multiprocessing.connection import wait
@@ -226,7 +229,9 @@ def _start_worker(parent_stops: Connection) -> None:
         os._exit(1)  # what it was writing is staged, and removed by its parent
 
     for number in _STOP_SIGNALS:
-        signal.signal(number, signal.SIG_IGN)
+        signal.signal(number, lambda *_: None)
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOP_SIGNALS)
     threading.Thread(target=watch, daemon=True).start()
 
 
