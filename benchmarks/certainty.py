@@ -243,7 +243,8 @@ def draw(record: Mapping[str, Any]) -> None:
 
     rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
     judges = {"mujoco": "MuJoCo", "classic": "Gazebo Classic"}
-    judges = {judge: title for judge, title in judges.items() if any(row["judge"] == judge and row["of"] for row in rows)}
+    judged = {row["judge"] for row in rows if row["of"]}
+    judges = {judge: title for judge, title in judges.items() if judge in judged}
     figure = Figure(figsize=(5.2 * len(judges), 4.6), dpi=100, layout="constrained")
     for axes, (judge, title) in zip(np.atleast_1d(figure.subplots(1, len(judges))), judges.items(), strict=True):
         own = [row for row in rows if row["judge"] == judge and row["of"]]
