@@ -136,7 +136,8 @@ def test_macros_that_make_very_much_are_refused_at_once(tmp_path: Path, inner: s
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
-    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 4  # 2 s, and the start of Python
+    # The limit is 2 s, and Python starts; on a busy machine that is more. Without a limit it took 20 s.
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 10
 
 
 def test_without_xacro_the_way_to_get_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
