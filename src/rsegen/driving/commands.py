@@ -196,7 +196,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
 
     One robot over each map, on all cores or a Dask cluster. Each drive is that of `rsegen drive` over that map, bit by
     bit, wherever it is simulated. In mujoco-warp thousands of maps are driven side by side, straight across, with
-    numbers of 32 bits: robots are within a millimetre in the first second, and most drives end alike.
+    numbers of 32 bits: robots are mostly within a millimetre in the first second, and most drives end alike.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from rsegen.mujoco.many_worlds import ManyWorlds
 from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
-from rsegen.mujoco.world import SINKS, MujocoWorld
+from rsegen.mujoco.world import SINKS, MujocoWorld, pose_numbers
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.batch import BatchWorlds
@@ -59,11 +59,7 @@ class ManyMaps(BatchWorlds):
 
     def poses(self) -> Array:
         """Return where robots are, (worlds, 6)."""
-        x, y, z, a, b, c, d = self.many.poses().T
-        roll = np.arctan2(2 * (a * b + c * d), 1 - 2 * (b * b + c * c))
-        pitch = np.arcsin(np.clip(2 * (a * c - d * b), -1.0, 1.0))
-        yaw = np.arctan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))
-        return np.stack([x, y, z, roll, pitch, yaw], axis=-1)
+        return np.array([pose_numbers(state) for state in self.many.poses().tolist()])
 
     def drive(self, v: Array, w: Array) -> None:
         """Have robots drive at v, m/s forward, and w, rad/s counterclockwise, (worlds,)."""

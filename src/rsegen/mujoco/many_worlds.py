@@ -19,7 +19,6 @@ reports, and a robot of more than 32 joints, whose Jacobians are sparse.
 from collections.abc import Sequence
 from typing import Any
 
-import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
@@ -28,7 +27,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
 from rsegen.mujoco import kernels
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF
-from rsegen.mujoco.world import MujocoWorld
+from rsegen.mujoco.world import MujocoWorld, free_joint_state
 from rsegen.simulators.poses import Pose
 
 _CONTACTS, _ROWS = 96, 320
@@ -81,9 +80,7 @@ class ManyWorlds:
         """Put the robot of each world at a start of its own, before the first step."""
         qpos = self.data.qpos.numpy()
         for row, start in zip(qpos, starts, strict=True):
-            turn = np.zeros(4)
-            mujoco.mju_euler2Quat(turn, (start.roll, start.pitch, start.yaw), "XYZ")
-            row[:7] = (start.x, start.y, start.z, *turn)
+            row[:7] = free_joint_state(start)
         self.data.qpos.assign(qpos)
 
     def put_boxes(self, geoms: slice, centres: Array, halves: Array) -> None:

@@ -98,10 +98,8 @@ class MujocoWorld(EmbeddedWorld):
     def restart(self, name: str, start: Pose) -> None:
         """Put a robot at another start, still, its servos at rest: the world and its record begin anew."""
         mujoco.mj_resetData(self.model, self.data)
-        turn = np.zeros(4)
-        mujoco.mju_euler2Quat(turn, (start.roll, start.pitch, start.yaw), "XYZ")
         at = self._qpos[self._numbers[name]]
-        self.data.qpos[at : at + 7] = (start.x, start.y, start.z, *turn)
+        self.data.qpos[at : at + 7] = free_joint_state(start)
         self.wheels.stop()
         self.belts.stop(self.shapes)
         self.shapes.forget()
@@ -228,7 +226,8 @@ class MujocoWorld(EmbeddedWorld):
 
     def _now(self) -> dict[str, list[float]]:
         return {
-            name: _pose(self.data.qpos[at : at + 7].tolist()) for name, at in zip(self._names, self._qpos, strict=True)
+            name: pose_numbers(self.data.qpos[at : at + 7].tolist())
+            for name, at in zip(self._names, self._qpos, strict=True)
         }
 
     def _keep(self) -> None:
@@ -282,8 +281,15 @@ _NEVER = 1e12
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
-def _pose(state: Sequence[float]) -> list[float]:
-    """Return x, y, z, roll, pitch and yaw of a position and a quaternion."""
+def free_joint_state(pose: Pose) -> Array:
+    """Return the position and the quaternion, w first, (7,), of a pose, as `qpos` of a free joint has them."""
+    turn = np.zeros(4)
+    mujoco.mju_euler2Quat(turn, (pose.roll, pose.pitch, pose.yaw), "XYZ")
+    return np.array([pose.x, pose.y, pose.z, *turn])
+
+
+def pose_numbers(state: Sequence[float]) -> list[float]:
+    """Return x, y, z, roll, pitch and yaw of the state of a free joint, the inverse of `free_joint_state`."""
     x, y, z, a, b, c, d = state
     pitch = asin(max(-1.0, min(1.0, 2 * (a * c - d * b))))
     roll = atan2(2 * (a * b + c * d), 1 - 2 * (b * b + c * c))

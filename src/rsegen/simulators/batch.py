@@ -77,13 +77,17 @@ register = BATCH.register
 """Decorator of a batch simulator, one of which is known by its name then."""
 
 
+def simulators_of_many_maps() -> tuple[str, ...]:
+    """Return the names of those that drive over many maps: the simulator in the box, if there is one, and batches."""
+    return *[*EMBEDDED][:1], *BATCH
+
+
 def batch_simulator(name: str | None) -> BatchSimulator | None:
     """Return the batch simulator of a name; None for the simulator in the box, which is the default.
 
     UnknownName, which lists both, if there is none of that name.
     """
-    if name is None or name in (one := [*EMBEDDED][:1]):
-        return None
-    if name not in BATCH:
-        raise UnknownName.among("simulator", "simulator of many maps", name, (*one, *BATCH))
-    return BATCH[name]
+    known = simulators_of_many_maps()
+    if name is not None and name not in known:
+        raise UnknownName.among("simulator", "simulator of many maps", name, known)
+    return None if name is None else BATCH.get(name)

@@ -39,10 +39,9 @@ DriveSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="mujo
 
 
 def _of_many_maps() -> Iterable[str]:
-    from rsegen.simulators.batch import BATCH
-    from rsegen.simulators.embedded import EMBEDDED
+    from rsegen.simulators.batch import simulators_of_many_maps
 
-    return *[*EMBEDDED][:1], *BATCH
+    return simulators_of_many_maps()
 
 
 ManySimulator = Annotated[
