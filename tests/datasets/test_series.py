@@ -7,7 +7,7 @@ import io
 import json
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -154,10 +154,10 @@ def test_workers_measure_the_fields_and_make_the_maps(
     shared = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[Executor]:
+    def here(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
         shared.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor
+            yield executor, lambda: None
 
     series(RANDOM, tmp_path / "1", same_field=same_field)
     monkeypatch.setattr(execute_module, "WORTHWHILE", 0.0)

@@ -20,7 +20,7 @@ import pytest
 
 import rsegen
 from rsegen import GeneratedMap, Recipe
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, WorkerLost
 from rsegen.formats.exports import ExportedMap
 from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
@@ -100,10 +100,10 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
     asked = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[Executor]:
+    def here(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
         asked.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor
+            yield executor, lambda: None
 
     monkeypatch.setattr(execute_module, "_processes", here)
     rsegen.save(RECIPE, tmp_path / "recipe.json")
@@ -234,6 +234,27 @@ def test_workers_end_in_the_middle_of_long_results() -> None:
     assert len(workers) >= 2
     results.close()  # while the other worker sends its own: this waited for the rest of it for ever
     assert not any(worker.is_running() for worker in workers)
+
+
+def half_a_result(batch: Sequence[int]) -> None:
+    """In a worker: begin to send a result, and be killed. A few bytes stand for what does not fit into a pipe."""
+    frame = sys._getframe()
+    while "result_queue" not in frame.f_locals:
+        assert frame.f_back is not None
+        frame = frame.f_back
+    queue = frame.f_locals["result_queue"]
+    queue._wlock.acquire()  # as whoever sends has it
+    os.write(queue._writer.fileno(), b"\0\0\1\0half")  # of 256 bytes
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="its pipes have messages, which come whole or not at all")
+def test_a_worker_that_is_killed_while_it_sends_its_result_is_lost() -> None:
+    """The pool's own thread waits for the rest of the result: a run that lost a worker so never ended."""
+    with pytest.raises(WorkerLost, match="a worker was lost: it was killed"):
+        list(execute(half_a_result, range(2), 10.0, Execution(workers=2)))
+    assert not [one for one in psutil.Process().children() if "spawn_main" in " ".join(one.cmdline())]
 
 
 POLITE = 'trap "echo asked >>told; exit 0" INT; echo begun >>told; while :; do sleep 0.05; done'

@@ -117,8 +117,10 @@ def executor_of(
     elif workers <= 1:
         yield lambda items: _here(work, _batches(items, seconds, 1))
     else:
-        with _processes(workers) as executor:
-            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers)
+        with _processes(workers) as (executor, check):
+            yield lambda items: _in_order(
+                executor, with_plugins(work), _batches(items, seconds, workers), workers, check
+            )
 
 
 def _here(work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]]) -> Iterator[Result]:
@@ -138,7 +140,7 @@ def _in_order(
     work: Callable[[Sequence[Item]], Result],
     batches: Iterator[Sequence[Item]],
     workers: int,
-    check: Callable[[], object] = lambda: None,
+    check: Callable[[], object],
 ) -> Iterator[Result]:
     """Yield the results in the order of the batches, of which a few per worker are under way.
 
@@ -172,18 +174,26 @@ def _result(future: Future[Result], check: Callable[[], object]) -> Result:
 
 
 @contextmanager
-def _processes(workers: int) -> Iterator[Executor]:
-    """Yield an executor of processes; however this ends, none is left."""
+def _processes(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    """Yield an executor of processes, and a check that all are still there; however this ends, none is left."""
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing.connection import wait
 
     context = multiprocessing.get_context("spawn")
     with stop.held(), _no_signals_for_new_processes():  # one process watches over shared memory
         receiver, sender = context.Pipe(duplex=False)
         pool = ProcessPoolExecutor(workers, context, _start_worker, (receiver,))
+
+    def check() -> None:
+        # A worker that is killed in the middle of a result leaves the pool's thread to wait for the rest of it for
+        # ever, and the other workers for their turn to send theirs.
+        if wait([one.sentinel for one in [*pool._processes.values()]], timeout=0):
+            raise BrokenProcessPool
+
     try:
-        yield pool
+        yield pool, check
     except BaseException as error:
         sender.close()
         # A worker may end in the middle of a long result. The pool's thread would wait for the rest of it for ever, as
