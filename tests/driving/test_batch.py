@@ -107,6 +107,15 @@ def test_a_drive_lasts_as_long_as_asked_for(simulator: _Simulator) -> None:
     assert result.drives[0].distance == pytest.approx(FASTER * robot_of("burger").driving_speed * 0.13, abs=5e-4)
 
 
+def test_a_drive_that_cannot_begin_has_no_result(simulator: _Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_Sliding, "problems", lambda self: {0: "it was inside a block"} if self.second == 0 else {})
+    result = rsegen.drive_many(RUBBLE, maps=2, simulator="mujoco-warp", duration=1)
+    assert [drive.failed for drive in result.drives] == [
+        "Three worlds: after 0 s it was inside a block, so this drive has no result",
+        "",
+    ]
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -203,3 +212,19 @@ def test_drives_are_within_a_millimetre_of_those_of_one_world(
         apart.append(np.linalg.norm(many[:, 1:4] - one[:, 1:4], axis=1).max())
     assert np.median(apart) < 0.001, "mostly: a contact at an edge makes any difference grow"
     assert max(apart) < 0.003
+
+
+@pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels")
+@pytest.mark.slow
+def test_a_robot_that_starts_inside_a_block_does_not_drive() -> None:
+    scenes, driven = [compose(RUBBLE, index) for index in (0, 1)], robot_of("jackal")
+    runs = [robot_runs(scene.field, driven, "straight", count=1, seed=0)[0] for scene in scenes]
+    middle_x, middle_y = scenes[1].field.middles()
+    on_map = replace(runs[1].start, x=float(middle_x[2]), y=float(middle_y[2]))
+    assert scenes[1].field.levels[1:4, 1:4].max() > 0
+    runs[1] = replace(runs[1], start=on_map)
+    with pytest.raises(SimulatorFailed, match="inside each other"):
+        record_embedded(required_simulator("this needs"), scenes[1], [runs[1]], 1.0, contacts=False)
+    beside, inside = record_batch("Warp", many_maps.ManyMaps(scenes, runs, "reaction"), runs, 0.1)
+    assert not isinstance(beside, SimulatorFailed)
+    assert str(inside) == "Warp: after 0 s it was inside a block, so this drive has no result"

@@ -26,6 +26,7 @@ from rsegen.driving.filming import FilmedWorld, picture_of_end
 from rsegen.driving.routes import STOP, PlannedWay, Route, wrapped
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
+from rsegen.field.stepfield import Array
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
@@ -167,32 +168,42 @@ def record_batch(
     rows = np.empty((len(runs), len(marks), 7))
     driving, counts = dict(enumerate(routes)), [len(marks)] * len(runs)
     failures: dict[int, SimulatorFailed] = {}
-    rows[:, 0, 0], rows[:, 0, 1:] = 0.0, worlds.poses()
-    for number, (begin, until) in enumerate(pairwise(marks)):
-        if begin % period == 0:
-            commands = np.zeros((len(runs), 2))
-            for world, route in list(driving.items()):
-                at = Pose(**dict(zip(COLUMNS[1:], rows[world, number, 1:].tolist(), strict=True)))
-                if route.is_done(at):
-                    counts[world] = number + 1
-                    del driving[world]
-                else:
-                    commands[world] = route.motion(at)
-            worlds.drive(*commands.T)
-        if not driving:
-            break
-        worlds.step(until - begin)
-        second = round(until * worlds.step_seconds, 6)
-        rows[:, number + 1, 0], rows[:, number + 1, 1:] = second, worlds.poses()
+
+    def look_at(mark: int) -> None:
+        """Keep where robots are at a mark, and end the drives of worlds that have failed."""
+        second = round(marks[mark] * worlds.step_seconds, 6)
+        rows[:, mark, 0], rows[:, mark, 1:] = second, worlds.poses()
         for world, why in worlds.problems().items():
             if driving.pop(world, None):
                 problem = f"{title}: after {second:g} s {why}, so this drive has no result"
                 failures[world] = SimulatorFailed(problem)
+
+    look_at(0)
+    for number, (begin, until) in enumerate(pairwise(marks)):
+        if begin % period == 0:
+            worlds.drive(*_motions(driving, rows[:, number, 1:]).T)
+            counts = [count if world in driving else min(count, number + 1) for world, count in enumerate(counts)]
+        if not driving:
+            break
+        worlds.step(until - begin)
+        look_at(number + 1)
     return [
         failures.get(world)
         or DriveRecording(trajectories={run.name: Trajectory(rows=rows[world, : counts[world]])}, samples=(), errors=())
         for world, run in enumerate(runs)
     ]
+
+
+def _motions(driving: dict[int, Route], poses: Array) -> Array:
+    """Return v and w of robots at their poses, (worlds, 2); those at their goals leave the driving, and stay."""
+    motions = np.zeros((len(poses), 2))
+    for world, route in list(driving.items()):
+        at = Pose(**dict(zip(COLUMNS[1:], poses[world].tolist(), strict=True)))
+        if route.is_done(at):
+            del driving[world]
+        else:
+            motions[world] = route.motion(at)
+    return motions
 
 
 def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive

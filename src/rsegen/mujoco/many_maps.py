@@ -19,7 +19,7 @@ from rsegen.mujoco.many_worlds import ManyWorlds
 from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
-from rsegen.mujoco.world import SINKS, MujocoWorld, pose_numbers
+from rsegen.mujoco.world import SINKS, STARTS_IN, MujocoWorld, pose_numbers
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.batch import BatchWorlds
@@ -56,6 +56,8 @@ class ManyMaps(BatchWorlds):
         self.blocks = slice(first, first + most)
         self.many.put_boxes(self.blocks, centres, halves)
         self.many.place([robot.start for robot in placed])
+        self.many.find_contacts()
+        self._sunk, self._deepest = "it was inside a block", STARTS_IN
 
     def poses(self) -> Array:
         """Return where robots are, (worlds, 6)."""
@@ -68,6 +70,7 @@ class ManyMaps(BatchWorlds):
     def step(self, steps: int) -> None:
         """Simulate this number of steps in all worlds."""
         self.many.step(steps)
+        self._sunk, self._deepest = "it sank in", SINKS
 
     def problems(self) -> Mapping[int, str]:
         """Return why worlds have no result: as in one world, or more contacts than there is room for."""
@@ -77,9 +80,9 @@ class ManyMaps(BatchWorlds):
         data: Any = self.many.data
         has_room = (data.overflow.numpy() & _NO_ROOM) == 0
         is_finite = np.isfinite(data.qpos.numpy()).all(axis=-1)
-        has_sunk = self.many.depths() > SINKS
+        has_sunk = self.many.depths() > self._deepest
         for world in np.flatnonzero(~has_room | ~is_finite | has_sunk).tolist():
             if not is_finite[world]:
                 yield world, "the physics failed"
             else:
-                yield world, "it sank in" if has_sunk[world] else "it had more contacts than there is room for"
+                yield world, self._sunk if has_sunk[world] else "it had more contacts than there is room for"

@@ -100,6 +100,12 @@ class ManyWorlds:
         places[:, geoms] = centres
         self.data.geom_xpos.assign(places)
 
+    def find_contacts(self) -> None:
+        """Find the contacts of robots and boxes where they were put, without a step."""
+        with wp.ScopedDevice(self.data.qpos.device):
+            mjw.kinematics(self.model, self.data)
+            mjw.collision(self.model, self.data)
+
     def drive(self, v: Any, w: Any) -> None:
         """Have robots drive at v, m/s forward, and w, rad/s counterclockwise: a number, or one for each world."""
         left, right = self.sides(np.broadcast_to(v, self.worlds), np.broadcast_to(w, self.worlds))

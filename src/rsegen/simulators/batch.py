@@ -38,7 +38,7 @@ class BatchWorlds(ABC):
 
     @abstractmethod
     def problems(self) -> Mapping[int, str]:
-        """Return why worlds have no result, in words such as "it sank in", by their number."""
+        """Return why worlds have no result, in words such as "it sank in", by their number; asked before steps too."""
 
 
 class BatchSimulator(ABC):
