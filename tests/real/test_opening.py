@@ -30,7 +30,7 @@ COURSE = EXAMPLES["mixed-course"]
 A_SERVER_MORE = pytest.mark.long(reason="a server more")
 
 
-SERVERS = ("gzserver", "gzserver-11.1.0", "ruby", "gz", "ign")
+SERVERS = ("gzserver", "gzserver-11.1.0", "ruby", "gz", "gz-sim-main", "ign")
 """Gazebo Sim's server runs in the command itself, which is a program in Ruby."""
 
 
