@@ -129,9 +129,10 @@ gazebo: classic
 	scripts/gazebo-engine || test $$? = 3
 	scripts/ros2 || test $$? = 3
 
-# mjlab for the tests of what plugs into it, without what it needs for training; where it cannot be, they say so.
+# mjlab and SAPIEN for the tests of what plugs into them, without what they need for training; where they cannot be, they say so.
 learners: $(VENV)/developer
 	test -d $(VENV)/mjlab || $(UV) $(BIN)/python --no-deps --target $(VENV)/mjlab mjlab==1.6.0 || rm -rf $(VENV)/mjlab
+	test -d $(VENV)/sapien || $(UV) $(BIN)/python --no-deps --target $(VENV)/sapien sapien==3.0.3 transforms3d || rm -rf $(VENV)/sapien
 
 # A screen on which the cameras of simulators draw.
 screen:

@@ -5,10 +5,12 @@
     scans        ScanSensor: scans with noise, steps, lost rays, a delay, and a map that drifts
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
+    legged_gym   StepFieldTerrain, in place of the terrain of legged_gym and its forks
     mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
     seating      seat: any MuJoCo model put on the ground, or dropped until it rests
     mujoco_warp  BlocksOfWorlds: one map per world
     newton       add_map to a ModelBuilder; BlockGrid
+    sapien       add_map to an ActorBuilder of SAPIEN, and so of ManiSkill
     gymnasium    NewFieldAtReset, a wrapper around an environment
     torch        build_many, the blocks of many maps in a tensor on any device
 

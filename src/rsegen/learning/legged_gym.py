@@ -1,0 +1,99 @@
+"""legged_gym and what grew out of it: a Terrain in place of theirs, on which robots start and move between rows.
+
+    from functools import partial
+    from legged_gym.envs.base import legged_robot
+    from rsegen.learning.legged_gym import StepFieldTerrain
+
+    legged_robot.Terrain = partial(StepFieldTerrain, rsegen.Terrain(recipes=[rubble, ridge], border=50))
+
+A task is made and trained as before, with `mesh_type = "trimesh"`. Isaac Gym gets the mesh of the blocks, whose sides
+are vertical, and the task the same heights as whole units, so what a robot measures is what it stands on. Rows,
+columns, scales, the border and friction are those of the terrain: they are written into the task's `cfg.terrain`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, floor
+from typing import Any
+
+import numpy as np
+
+from rsegen.errors import ParameterError, UnknownName
+from rsegen.field.stepfield import Array, Ints, Levels
+from rsegen.geometry.mesh_kinds import MESHES, mesh
+from rsegen.learning.ground import unframed
+from rsegen.learning.terrain import Terrain
+from rsegen.params.sorts import Float, Integer
+
+_SAMPLES, _RADIUS = Integer(1, 20), Float(0, 100)
+
+_SAME = 1e-6
+"""Share of a block by which two places count as the same."""
+
+
+class StepFieldTerrain:
+    """What legged_gym's tasks read of a terrain. x and y are metres from the corner of the field, z from its floor.
+
+    terrain: has one friction; cfg: `cfg.terrain` of a task, which is given the terrain's figures; num_robots: of the
+    task; samples: of heights along each side of a block; spawn_radius: metres along x and y from the middle of a tile,
+    above whose highest block its origin is; surface: `merged`, in few faces, or `watertight`
+
+    env_origins: (rows, columns, 3), the middles of tiles, metres from the corner of the first tile; heightsamples:
+    (n_x * samples, n_y * samples), int16, units; vertices: (n, 3), float32; triangles: (m, 3), uint32
+    """
+
+    def __init__(
+        self,
+        terrain: Terrain,
+        cfg: Any,
+        num_robots: int,
+        *,
+        samples: int = 1,
+        spawn_radius: float = 1.0,
+        surface: str = "merged",
+    ) -> None:
+        samples, radius = _SAMPLES.check("samples", samples), _RADIUS.check("spawn_radius", spawn_radius)
+        if surface not in MESHES:
+            raise UnknownName.among("surface", "mesh", surface, MESHES)
+        if cfg.mesh_type != "trimesh":
+            raise ParameterError("mesh_type", f"{cfg.mesh_type!r} has no vertical sides; use 'trimesh'")
+        if not terrain.recipe.is_of_one_friction:
+            raise ParameterError("level_friction", "a terrain of Isaac Gym has one friction; set only `friction`")
+        field, width = terrain.field, terrain.field.block_width
+        self.cfg, self.num_robots, self.type = cfg, num_robots, "trimesh"
+        self.env_length, self.env_width = terrain.tile_size
+        self.border = terrain.border * samples
+        self._write(terrain, width / samples)
+        self.heightsamples: Levels = np.repeat(np.repeat(field.levels, samples, axis=0), samples, axis=1)
+        self.height_field_raw = self.heightsamples
+        self.tot_rows, self.tot_cols = self.heightsamples.shape
+        half = np.array([*field.extent, 0.0]) / 2
+        # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
+        raised = mesh(unframed(field.levels + np.int16(1), width, field.unit), surface)
+        self.vertices = (raised.vertices + half - [0, 0, field.unit]).astype(np.float32)
+        self.triangles: Ints = raised.triangles.astype(np.uint32)
+        self.env_origins = np.array(terrain.origins)
+        self.env_origins[..., 2] = np.reshape([*_heights_around(terrain, radius)], self.env_origins.shape[:2])
+        self.env_origins += half - [cfg.border_size, cfg.border_size, 0]
+
+    def _write(self, terrain: Terrain, scale: float) -> None:
+        """Write into the task's configuration what the terrain decides."""
+        cfg = self.cfg
+        cfg.num_rows, cfg.num_cols = terrain.rows, terrain.columns
+        cfg.num_sub_terrains = terrain.rows * terrain.columns
+        cfg.max_init_terrain_level = min(cfg.max_init_terrain_level, terrain.rows - 1)
+        cfg.terrain_length, cfg.terrain_width = terrain.tile_size
+        cfg.horizontal_scale, cfg.vertical_scale = scale, terrain.field.unit
+        cfg.border_size = terrain.border * terrain.field.block_width
+        cfg.static_friction = cfg.dynamic_friction = terrain.recipe.friction
+
+
+def _heights_around(terrain: Terrain, radius: float) -> Iterator[float]:
+    """Yield the height of each tile's origin: above all blocks up to so many metres along x and y from its middle."""
+    width, half = terrain.field.block_width, np.array(terrain.field.extent) / 2
+    heights: Array = terrain.field.heights
+    for origin in terrain.origins.reshape(-1, 3):
+        low, high = ((origin[:2] + half + side) / width for side in (-radius, radius))
+        near = (slice(max(floor(first), 0), ceil(last)) for first, last in zip(low + _SAME, high - _SAME, strict=True))
+        yield float(heights[tuple(near)].max(initial=origin[2]))
