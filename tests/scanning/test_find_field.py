@@ -17,7 +17,7 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.grid import CloudGrid, _Tops, find_grid
-from rsegen.scanning.levels import find_unit
+from rsegen.scanning.levels import _agreement, _raised, find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
 
@@ -381,6 +381,16 @@ def test_a_cloud_of_few_points_above_the_ground_is_refused_in_a_line(points: int
     heights = np.concatenate([np.zeros(400), np.linspace(0.05, 0.4, points)])
     with pytest.raises(ScanError, match="too few points are above the ground plane"):
         find_unit(heights, noise=0.002)
+
+
+def test_heights_that_agree_with_no_unit_at_all_are_refused() -> None:
+    """As those of a wood from above, of which no unit has a mean cosine above 0."""
+    heights = 4 * np.sqrt(-np.log(np.linspace(1, 0, 20_001)[1:-1])) / 3
+    values, weights = _raised(heights, 0.04, None)
+    assert _agreement(values, weights, np.geomspace(0.1, 4.0, 500)).max() < 0.05
+    with pytest.raises(ScanError, match="no whole multiples of a unit; set unit_cm"):
+        find_unit(heights, noise=0.04)
+    assert find_unit(heights, noise=0.04, given=0.1) == 0.1
 
 
 @pytest.mark.parametrize("width", [0.04, 0.1, 0.37])

@@ -25,7 +25,7 @@ from rsegen.errors import ScanError
 from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
-from rsegen.params.sorts import Cell
+from rsegen.params.sorts import CENTIMETRES, Cell
 from rsegen.scanning.evidence import FEWEST_BITS, bits_saved, cells_per_block
 from rsegen.scanning.extent import (
     FrameLayout,
@@ -284,14 +284,14 @@ def _usable(points: Array) -> tuple[Array, Array]:
         raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < _FEWEST_POINTS:
-        raise ScanError(f"{len(points):,} points are too few for a field; at least {_FEWEST_POINTS} are needed")
+        raise ScanError(f"too few points for a field: {len(points):,}; at least {_FEWEST_POINTS} are needed")
     # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
     low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
     extent = float((high - low).max())
     if not _SMALLEST < extent < _LARGEST:
         raise ScanError(
-            f"the cloud is {extent:.3g} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set the unit of its numbers: "
-            "values m, cm, mm or in"
+            f"the cloud is {extent:{',.0f' if extent > 1 else '.3g'}} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set "
+            f"the unit of its numbers ({', '.join(CENTIMETRES)}) with values, or cut all but the field out of it"
         )
     near = ((points > low - extent) & (points < high + extent)).all(axis=1)
     return points[near] - (low + high) / 2, (low + high) / 2
