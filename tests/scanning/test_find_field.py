@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
+from rsegen.cli.edge import main
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import finding
@@ -453,3 +455,43 @@ def test_a_size_of_which_no_width_makes_the_blocks_is_refused() -> None:
     field = plain(np.random.default_rng(4).integers(1, 5, (8, 8)))
     with pytest.raises(ScanError, match="8 x 8 cells are raised, not 5 x 5"):
         find_field(cloud_of(field), ScanSettings(blocks=(5, 5)))
+
+
+def stepped_cloud(levels: Ints, side: float = 0.1) -> Array:
+    """A cloud of square blocks from above, each a tenth of a metre per level high, with floor around them."""
+    rng, margin = np.random.default_rng(0), 3
+    heights = np.pad(levels, margin) / 10
+    cloud = rng.random((60_000, 3)) * (side * len(heights), side * len(heights), 0)
+    i, j = (cloud[:, :2].T / side).astype(int)
+    cloud[:, 2] = heights[i, j] + rng.normal(0, 0.003, len(cloud))
+    return cloud
+
+
+def pyramid(side: int, step: int) -> Ints:
+    rings = np.minimum(np.arange(side), np.arange(side)[::-1]) // step + 1
+    return np.minimum.outer(rings, rings)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "levels",
+    [
+        pyramid(12, 2),
+        pytest.param(pyramid(16, 2), marks=pytest.mark.long(reason="a scan more")),
+        5 - pyramid(16, 2),
+        np.pad(np.random.default_rng(1).integers(1, 4, (6, 6)), 3),
+    ],
+    ids=["a pyramid", "a larger one", "a hollow", "random blocks in the middle"],
+)
+def test_steps_of_two_blocks_that_fill_the_given_size_are_blocks_of_that_width(levels: Ints) -> None:
+    scan = find_field(stepped_cloud(levels), ScanSettings(blocks=(len(levels), len(levels))))
+    assert scan.block_width == 0.1
+    assert any((np.rot90(scan.levels, turns) == levels).all() for turns in range(4))
+
+
+@pytest.mark.slow
+def test_the_width_that_a_size_makes_of_steps_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    np.save(tmp_path / "pyramid.npy", stepped_cloud(pyramid(12, 2)))
+    assert main(["scan", str(tmp_path / "pyramid.npy"), "-o", str(tmp_path / "worlds"), "--size", "12"]) == 0
+    said = "assumed: blocks 10 cm wide, as what is raised then reaches from side to side, though steps are wider"
+    assert f"{said} (--block-width-cm 20 if they are not)" in capsys.readouterr().out
