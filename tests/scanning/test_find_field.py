@@ -469,7 +469,7 @@ def stepped_cloud(levels: Ints, side: float = 0.1) -> Array:
 
 def pyramid(side: int, step: int) -> Ints:
     rings = np.minimum(np.arange(side), np.arange(side)[::-1]) // step + 1
-    return np.minimum.outer(rings, rings)
+    return np.asarray(np.minimum.outer(rings, rings))
 
 
 @pytest.mark.slow
