@@ -221,9 +221,10 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
             raise UnknownName.among("", what, name, known)
 
 
-def library_message(error: Exception) -> str:
-    """Return the message of a library's error on one short line."""
-    return " ".join(str(error).split())[:_LONGEST] or type(error).__name__
+def library_message(error: BaseException) -> str:
+    """Return the message of a library's error on one short line; a KeyError has the missing name alone."""
+    missing = "lacks " if isinstance(error, KeyError) else ""
+    return missing + " ".join(str(error).split())[:_LONGEST] or type(error).__name__
 
 
 def system_message(error: OSError, about: str = "") -> str:

@@ -238,6 +238,9 @@ _STDERR = 2
 _CUT_SHORT = "string or file could not be read to its end"
 """numpy before 2.3 only warns of it, and gives trimesh the numbers up to the wrong one."""
 
+_PANIC = "PanicException"
+"""What libraries in Rust raise where their code gives up: it is no Exception, and its class cannot be imported."""
+
 _Content = TypeVar("_Content")
 
 
@@ -251,7 +254,9 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
         raise
     except OSError as error:
         raise FileError(unreadable(path, error)) from None
-    except Exception as error:  # libraries fail in many ways at files that are none of theirs
+    except BaseException as error:  # libraries fail in many ways at files that are none of theirs
+        if not isinstance(error, Exception) and type(error).__name__ != _PANIC:
+            raise
         raise FileError(
             f"{path}: not a {path.suffix[1:].upper()} file that can be read ({library_message(error)})"
         ) from None
@@ -296,7 +301,7 @@ def opened_image(path: Path) -> Iterator[Image]:
         raise
     except UnidentifiedImageError:
         if file_type(regular_content(path, 4) or b"") == "a TIFF image":
-            advice = "write one of a single band with `gdal_translate -b 1 -co COMPRESS=DEFLATE FILE NEW.tif`"
+            advice = "write one of a single band with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`"
             raise FileError(f"{path}: a TIFF whose bands or numbers are not read (Pillow); {advice}") from None
         raise FileError(f"{path}: not an image ({', '.join(_IMAGE_FORMATS)})") from None
     except (Image.DecompressionBombError, MemoryError):

@@ -12,7 +12,9 @@ from PIL.TiffImagePlugin import ImageFileDirectory_v2
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.field.stepfield import Array
+from rsegen.heights.base import heights_in, importer_for
 from rsegen.heights.image import OccupancyImage, Picture
+from rsegen.heights.table import Table
 
 SLOPE = 300.0 + 2 * np.arange(12).reshape(3, 4)  # metres, the top row first
 LEVELS = np.arange(12).reshape(3, 4)[::-1].T
@@ -121,3 +123,52 @@ def test_negate_is_written_as_yaml_has_it(tmp_path: Path, negate: str, wanted: l
 def test_other_values_are_one_line(tmp_path: Path, negate: str, mode: str) -> None:
     with pytest.raises((FileError, ParameterError), match=r"m\.yaml: (negate|mode)"):
         walls(tmp_path, np.array([[0, 254]]), negate, mode)
+
+
+GRID = "ncols 4\nnrows 3\nxllcorner 5e5\nyllcorner 4.2e6\ncellsize 10\nNODATA_value -9999\n"
+
+
+@pytest.mark.parametrize("separator", ["\n", " "], ids=["a row on a line", "all on one line"])
+def test_a_grid_of_esri_is_read_in_the_unit_that_is_given(tmp_path: Path, separator: str) -> None:
+    rows = [" ".join(f"{height:.3f}" for height in row) for row in SLOPE]
+    path = tmp_path / "ground.asc"
+    path.write_text(GRID + separator.join(rows), "utf-8")
+    reading = Table(values="m", datum_cm=30000)
+    assert (heights_in(path, reading, 200).levels == LEVELS).all()
+    path.write_text(GRID.upper() + separator.join(rows).replace("302.000", "-9999"), "utf-8")
+    with pytest.raises(FileError, match=r"row 1 from the top, column 2: nan cm is a hole; fill_holes"):
+        heights_in(path, reading, 200)
+    with pytest.raises(ParameterError, match=r"values: .*ground.asc is a grid that does not say its unit; set m, cm"):
+        heights_in(path, Table(), 200)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (GRID + "1 2 3", "3 numbers; 4 x 3 cells have 12"),
+        (GRID + "1 2 3 x", "'x'"),
+        (GRID.replace("ncols 4", "ncols 99999999") + "1", "99999999 x 3 cells; from 1 up to"),
+        ("ncols 4\n1 2 3 4", "no line nrows"),
+    ],
+)
+def test_a_damaged_grid_of_esri_is_one_line(tmp_path: Path, content: str, said: str) -> None:
+    path = tmp_path / "ground.asc"
+    path.write_text(content, "utf-8")
+    with pytest.raises(FileError, match=r"ground\.asc: ") as refused:
+        heights_in(path, Table(values="m"), 10)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["N46E007.hgt", "ground.dem", "ground.nc"])
+def test_ground_that_gdal_reads_says_how_to_make_an_image_of_it(name: str) -> None:
+    with pytest.raises(FileError, match=f"{name}: write it as GeoTIFF with `gdal_translate "):
+        importer_for(Path(name))
+
+
+def test_an_image_of_a_map_that_lies_beside_it_is_named(tmp_path: Path) -> None:
+    """As in maps that were saved on another machine, with the path there."""
+    Image.new("L", (2, 2)).save(tmp_path / "hall.pgm")
+    path = tmp_path / "hall.yaml"
+    path.write_text("image: /home/someone/maps/hall.pgm\nresolution: 0.05\n", "utf-8")
+    with pytest.raises(FileError, match=r"image: /home/.* does not exist; set it to hall.pgm, which is in this folder"):
+        heights_in(path, OccupancyImage())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,38 @@ def test_the_advised_options_read_measured_heights(tmp_path: Path) -> None:
     ).all()
     above = table(tmp_path, LEVELS * 10 + 35 + noisy)
     assert (build(imported(above, Table(rounded=True, datum_cm=35))).levels == LEVELS).all()
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "said"),
+    [
+        (-474.2, 921.0, "heights are -475 to 921 cm: set datum_cm -475 if the lowest is the ground"),
+        (
+            1_660_00.5,
+            5_000_00,
+            "heights are 166000 to 500000 cm: set datum_cm 166000 if the lowest is the ground, and unit",
+        ),
+        (
+            -999_900,
+            170,
+            "heights are -999900 to 170 cm: set other values (cm, m, in, ...), or write into the file which",
+        ),
+    ],
+    ids=["below 0", "high ground", "no data"],
+)
+def test_ground_below_0_or_too_high_is_refused_with_the_datum_that_reads_it(
+    lowest: float, highest: float, said: str, tmp_path: Path
+) -> None:
+    path = table(tmp_path, np.linspace(lowest, highest, 12).reshape(3, 4))
+    with pytest.raises(FileError) as refused:
+        imported(path, Table(any_heights=True))
+    assert said in str(refused.value)
+    advised = dict(re.findall(r"(datum_cm|unit_cm) (-?\d+)", str(refused.value)))
+    if advised:
+        reading = Table(any_heights=True, datum_cm=float(advised["datum_cm"]))
+        levels = build(imported(path, reading, float(advised.get("unit_cm", 10)))).levels
+        assert levels.min() == 0
+        assert levels.max() == round((highest - int(advised["datum_cm"])) / int(advised.get("unit_cm", 10)))
 
 
 @given(st.integers(0, 3), st.integers(1, 4), arrays(np.int64, (3, 2), elements=st.integers(0, 9)))

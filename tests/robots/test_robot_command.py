@@ -136,3 +136,24 @@ def test_the_plural_is_answered_with_the_command(capsys: pytest.CaptureFixture[s
     with pytest.raises(SystemExit):
         main(["robots"])
     assert "did you mean 'robot'?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100, 400])
+def test_a_table_fits_the_terminal_however_long_names_of_joints_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    file, long = tmp_path / "mine.sdf", "_of_a_rover_with_six_wheels_and_a_rocker" * 2
+    file.write_text(two_wheels(GZ).replace("left_hub", f"left{long}").replace("right_hub", f"right{long}"))
+    found = figures(capsys, str(file))
+    monkeypatch.setenv("COLUMNS", str(columns))
+    assert main(["robot", str(file)]) == 0
+    table = capsys.readouterr().out.splitlines()[1:]
+    assert max(map(len, table)) <= columns
+    printed = "".join("".join(table).split())
+    if columns == 400:  # in lines of their own
+        assert len(table) == len(found)
+        assert all("".join(word.split()) in printed for row in found.items() for word in (row[0], *row[1]))
+    else:
+        assert len(table) > len(found)
+        cells = [line[len("separation") + 2 :].split("  ")[0].strip() for line in table]
+        assert f"left{long} and right{long}".replace(" ", "") in "".join(cells).replace(" ", "")

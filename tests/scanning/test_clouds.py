@@ -70,6 +70,16 @@ def aligned_pcd(path: Path) -> None:
     path.write_text(head + "\n".join(rows) + "\n")
 
 
+def old_pcd(*, binary: bool) -> Callable[[Path], Any]:
+    """A file of version .5, in whose header COUNT, HEIGHT and POINTS are left out, as PCL reads them too."""
+    head = f"# .PCD v.5\nVERSION .5\nCOLUMNS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH {len(POINTS)}\nDATA "
+    body = POINTS.astype("<f8").tobytes() if binary else str(POINTS.tolist()).translate(_BLANKS).encode()
+    return lambda path: path.write_bytes(head.encode() + (b"binary\n" if binary else b"ascii\n") + body)
+
+
+_BLANKS = str.maketrans({"[": " ", "]": "\n", ",": " "})
+
+
 def of_names(path: Path) -> None:
     array = np.zeros(len(POINTS), dtype=[("rgb", "u4"), ("X", "f8"), ("Y", "f8"), ("Z", "f8")])
     for axis, values in zip("XYZ", POINTS.T, strict=True):
@@ -113,6 +123,8 @@ WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "w.las": las,
     "x.laz": las,
     "y.pcd": aligned_pcd,
+    "z.pcd": old_pcd(binary=False),
+    "1.pcd": old_pcd(binary=True),
 }
 
 
@@ -151,11 +163,30 @@ def damaged(content: bytes) -> Callable[[Path], Any]:
     return lambda path: path.write_bytes(content)
 
 
+def las_with(at: int, number: bytes, *, points: int = len(POINTS)) -> Callable[[Path], Any]:
+    """A laser scan with another number in its header, and only some of its points."""
+
+    def write(path: Path) -> None:
+        las(path)
+        content = path.read_bytes()
+        end = len(content) - (len(POINTS) - points) * 34  # bytes of a point
+        path.write_bytes(content[:at] + number + content[at + len(number) : end])
+
+    return write
+
+
 PCD = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"
+PLANE_PLY = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n"
 NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "a.fls": (damaged(b"laser"), "clouds are read from files named"),
     "a.las": (damaged(b"LASF"), "a.las: not a LAS file that can be read"),
     "a.laz": (damaged(b"LASF" + bytes(400)), "a.laz: "),
+    "b.las": (las_with(100, b"\xff\xff\xff\x7f"), "its header counts 2,147,483,647 records of variable length"),
+    "c.las": (las_with(0, b"", points=700), "has 700 of the 800 points that it says"),
+    "a.bt": (damaged(b"# Octomap OcTree binary file\n"), "write its points with `octree2pointcloud FILE NEW.pcd`"),
+    "a.asc": (damaged(b"ncols 3\nnrows 1\ncellsize 5\n1 2 3\n"), "not points; rsegen import reads it"),
+    "b.ply": (damaged(PLANE_PLY), "not a PLY file that can be read (lacks 'z')"),
+    "w.pcd": (damaged(b"1 2 3\n" * 20), "no FIELDS, SIZE, TYPE, WIDTH, DATA in its header"),
     "b.xyz": (damaged(b"no numbers\nat all"), "no line has three numbers"),
     "c.xyz": (damaged(b"1 2 3\n4 5\n"), "c.xyz: "),
     "d.xyz": (damaged(b"1 2 3\n4 five 6\n"), "d.xyz: "),
@@ -215,3 +246,21 @@ def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch:
     monkeypatch.setitem(__import__("sys").modules, "pypcd4.pypcd4", None)
     with pytest.raises(UserError, match=r"needs pypcd4.*, which is not installed; .* -m pip install .*'pypcd4>="):
         read_clouds([tmp_path / "g.pcd"])
+
+
+class PanicException(BaseException):
+    """What code in Rust raises, as lazrs does at files of early versions of LASzip: no Exception."""
+
+
+@pytest.mark.parametrize(("raised", "seen"), [(PanicException("no table"), FileError), (KeyboardInterrupt(), None)])
+def test_a_library_that_panics_is_one_line_and_a_signal_stays_one(
+    raised: BaseException, seen: type[BaseException] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def panics(*_: object) -> None:
+        raise raised
+
+    WRITERS["w.las"](tmp_path / "w.las")
+    monkeypatch.setattr(laspy, "open", panics)
+    with pytest.raises(seen or type(raised)) as refused:
+        read_clouds([tmp_path / "w.las"])
+    assert not seen or str(refused.value).endswith("w.las: not a LAS file that can be read (no table)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,13 @@ import pytest
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
+from rsegen.cli.edge import main
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.grid import CloudGrid, _Tops, find_grid
-from rsegen.scanning.levels import find_unit
+from rsegen.scanning.levels import _agreement, _raised, find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
 
@@ -383,6 +385,16 @@ def test_a_cloud_of_few_points_above_the_ground_is_refused_in_a_line(points: int
         find_unit(heights, noise=0.002)
 
 
+def test_heights_that_agree_with_no_unit_at_all_are_refused() -> None:
+    """As those of a wood from above, of which no unit has a mean cosine above 0."""
+    heights = 4 * np.sqrt(-np.log(np.linspace(1, 0, 20_001)[1:-1])) / 3
+    values, weights = _raised(heights, 0.04, None)
+    assert _agreement(values, weights, np.geomspace(0.1, 4.0, 500)).max() < 0.05
+    with pytest.raises(ScanError, match="no whole multiples of a unit; set unit_cm"):
+        find_unit(heights, noise=0.04)
+    assert find_unit(heights, noise=0.04, given=0.1) == 0.1
+
+
 @pytest.mark.parametrize("width", [0.04, 0.1, 0.37])
 def test_points_off_and_words_of_a_grid_are_counted_cell_by_cell(width: float) -> None:
     rng = np.random.default_rng(3)
@@ -443,3 +455,43 @@ def test_a_size_of_which_no_width_makes_the_blocks_is_refused() -> None:
     field = plain(np.random.default_rng(4).integers(1, 5, (8, 8)))
     with pytest.raises(ScanError, match="8 x 8 cells are raised, not 5 x 5"):
         find_field(cloud_of(field), ScanSettings(blocks=(5, 5)))
+
+
+def stepped_cloud(levels: Ints, side: float = 0.1) -> Array:
+    """A cloud of square blocks from above, each a tenth of a metre per level high, with floor around them."""
+    rng, margin = np.random.default_rng(0), 3
+    heights = np.pad(levels, margin) / 10
+    cloud = rng.random((60_000, 3)) * (side * len(heights), side * len(heights), 0)
+    i, j = (cloud[:, :2].T / side).astype(int)
+    cloud[:, 2] = heights[i, j] + rng.normal(0, 0.003, len(cloud))
+    return cloud
+
+
+def pyramid(side: int, step: int) -> Ints:
+    rings = np.minimum(np.arange(side), np.arange(side)[::-1]) // step + 1
+    return np.asarray(np.minimum.outer(rings, rings))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "levels",
+    [
+        pyramid(12, 2),
+        pytest.param(pyramid(16, 2), marks=pytest.mark.long(reason="a scan more")),
+        5 - pyramid(16, 2),
+        np.pad(np.random.default_rng(1).integers(1, 4, (6, 6)), 3),
+    ],
+    ids=["a pyramid", "a larger one", "a hollow", "random blocks in the middle"],
+)
+def test_steps_of_two_blocks_that_fill_the_given_size_are_blocks_of_that_width(levels: Ints) -> None:
+    scan = find_field(stepped_cloud(levels), ScanSettings(blocks=(len(levels), len(levels))))
+    assert scan.block_width == 0.1
+    assert any((np.rot90(scan.levels, turns) == levels).all() for turns in range(4))
+
+
+@pytest.mark.slow
+def test_the_width_that_a_size_makes_of_steps_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    np.save(tmp_path / "pyramid.npy", stepped_cloud(pyramid(12, 2)))
+    assert main(["scan", str(tmp_path / "pyramid.npy"), "-o", str(tmp_path / "worlds"), "--size", "12"]) == 0
+    said = "assumed: blocks 10 cm wide, as what is raised then reaches from side to side, though steps are wider"
+    assert f"{said} (--block-width-cm 20 if they are not)" in capsys.readouterr().out

@@ -84,11 +84,17 @@ def are_not_blocks(units: Array, levels: Ints) -> bool:
     return lost or float(errors.mean()) > _MEASURED or halfway > max(_MOST_HALFWAY * units.size, 1)
 
 
-def advice(heights_cm: Array, unit_cm: float) -> str:
-    """Return advice on heights [cm] that are no whole units: another ground, or another unit."""
+def advice(heights_cm: Array, unit_cm: float, *, whole: bool = True) -> str:
+    """Return advice on heights [cm] that are no whole units: another ground, or another unit.
+
+    whole: they have to be whole units; else only those are wrong that are too low or too high for a level.
+    """
     import numpy as np
 
-    heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
+    heights = heights_cm[np.isfinite(heights_cm)]
+    if heights.size and (heights.min() < -unit_cm / 2 or not whole):
+        return _advice_of_ground(float(heights.min()), float(heights.max()), unit_cm)
+    heights = heights[heights >= 0]
     if not heights.any():
         return "set other values (cm, m, in, ...)"
     # First another ground, then this unit measured badly, then another unit, of which blocks have 1 to 150 cm.
@@ -107,6 +113,19 @@ def advice(heights_cm: Array, unit_cm: float) -> str:
         for name, factor in may_be.items()
     )
     return f"they are whole multiples of {step:.4g}: set {', or '.join(ways)}"
+
+
+def _advice_of_ground(lowest: float, highest: float, unit_cm: float) -> str:
+    """Return advice on heights [cm] of which some are too low or too high for a level: another ground or unit."""
+    if lowest < _DEEPEST_CM or highest > MOST_CM:
+        return (
+            f"heights are {lowest:g} to {highest:g} cm: set other values (cm, m, in, ...), or write into the file "
+            "which number stands for no data (`gdal_translate -a_nodata -9999 FILE NEW.tif`)"
+        )
+    ground, top = math.floor(lowest), math.ceil(highest)
+    larger = math.ceil((top - ground) / _HIGHEST)
+    also = f", and unit_cm {larger} or more" if larger > unit_cm else ""
+    return f"heights are {ground} to {top} cm: set datum_cm {ground} if the lowest is the ground{also}"
 
 
 def _largest_step(heights: Array) -> float | None:
@@ -158,6 +177,12 @@ def filled(heights: Array, holes: Mask) -> Array:
         missing = missing[~known]
     return complete
 
+
+MOST_CM = 2e6
+"""Heights of ground above or below 0 at most: no place on Earth is 20 km from the sea's level."""
+
+_DEEPEST_CM = -990_000
+"""Depth that hardly any place on Earth has: -9999 and -32768 m stand for no data."""
 
 MOST_CELLS = 2**24
 """Cells of a file at most: 4096 x 4096, which need 0.8 GB while they become a map."""
@@ -248,7 +273,7 @@ def whole_units(
         amiss, hint = "nan cm is a hole", "fill_holes gives it the height of its neighbours"
         if not np.isnan(height):
             amiss = f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
-            hint = advice(heights_cm, unit_cm)
+            hint = advice(heights_cm, unit_cm, whole=not rounded)
         others = int(bad.sum()) - 1
         more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
         raise FileError(f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{more}; {hint}")
@@ -287,14 +312,22 @@ def reads(path: Path, start: bytes) -> str:
     suffix = path.suffix.lower()
     if suffix in (".yaml", ".yml"):
         is_known = bool(re.search(rb"^image:", start, re.MULTILINE))
+    elif suffix == ".asc":  # a grid, or else a cloud
+        is_known = start.lstrip().lower().startswith(b"ncols")
     else:
         is_known = suffix in IMPORTERS and suffix != ".txt"  # which may be anything
     return "rsegen import (for heights)" if is_known else ""
 
 
+_OF_GDAL = (".dem", ".hgt", ".nc", ".img", ".vrt", ".adf", ".bil", ".flt", ".grd")
+"""Endings of files with ground, of which GDAL makes images."""
+
+
 def importer_for(path: Path) -> type[Importer]:
     """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
     importer = IMPORTERS.get(path.suffix.lower())
+    if path.suffix.lower() in _OF_GDAL:
+        raise FileError(f"{path}: write it as GeoTIFF with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`")
     if not importer:
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     return importer

@@ -273,7 +273,10 @@ class OccupancyImage(Importer):
             raise error.of(str(path)) from None
         # As map_server of ROS reads it. Dark is occupied, unless `negate`; between the thresholds is unknown, or with
         # the mode `scale` less probable. With `raw` the pixels are per cent, and unknown above 100.
-        bright = brightness(path.parent / metadata["image"])
+        image = path.parent / metadata["image"]
+        if not image.exists() and (beside := path.parent / image.name).exists():
+            raise FileError(f"{path}: image: {image} does not exist; set it to {beside.name}, which is in this folder")
+        bright = brightness(image)
         probability = bright if metadata["negate"] else 1 - bright
         unknown = np.isnan(bright)  # where it is transparent
         if metadata["mode"] == "raw":

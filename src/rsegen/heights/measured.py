@@ -14,7 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.heights.base import Heights, Importer, filled, lower_medians, refuse_too_many_cells, whole_units
+from rsegen.heights.base import (
+    MOST_CM,
+    Heights,
+    Importer,
+    filled,
+    lower_medians,
+    refuse_too_many_cells,
+    whole_units,
+)
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
 
 if TYPE_CHECKING:
@@ -79,7 +87,7 @@ class Measured(Importer):
         bool, Flag(help="round heights even if most are far from whole units, as those of natural ground are")
     ] = False
     datum_cm: Annotated[
-        float | None, Float(-100_000, 100_000, unit="cm", help="height of the ground in the file, which is subtracted")
+        float | None, Float(-MOST_CM, MOST_CM, unit="cm", help="height of the ground in the file, which is subtracted")
     ] = None
     fill_holes: Annotated[
         bool,

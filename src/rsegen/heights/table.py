@@ -2,7 +2,8 @@
 
 A table has a row of numbers per line, the top line the largest y. A build sheet has a row per cell, with its x and y,
 in any order; it is known by its header, as rsegen wrote it or as a spreadsheet saved it again: with semicolons, quotes,
-decimal commas, or other line ends. Blank cells and rows of comments are allowed; whatever else is no number is refused
+decimal commas, or other line ends. A grid in Esri's ASCII format, as maps of ground are written, begins with its number
+of columns. Blank cells and rows of comments are allowed; whatever else is no number is refused
 with its line and column.
 """
 
@@ -16,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.heights.base import CENTIMETRES, MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
@@ -129,7 +130,7 @@ class Table(Measured):
     """A row of numbers per line, the top row the largest y, with commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
-    suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
+    suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt", ".asc")
 
     values: Annotated[
         str,
@@ -150,11 +151,49 @@ class Table(Measured):
             own_values = {name: _value(str(path), name, value) for name, value in _parameter_pattern().findall(text)}
             unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)
             return self.measured(path, _listed(path, text, head) * CENTIMETRES[written], unit, own_values)
+        if is_esri_grid(text):
+            if self.values == "auto":
+                raise ParameterError("values", f"{path} is a grid that does not say its unit; set m, cm, mm or in")
+            unit = unit_cm or USUAL_UNIT_CM
+            return self.measured(path, _of_esri_grid(path, text) * {**CENTIMETRES, "levels": unit}[self.values], unit)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
         unit = unit_cm or (_value(f"{path}: line 1", "unit_cm", ours[1]) if ours else USUAL_UNIT_CM)
         numbers = _numbers(path, text, blanks=self.fill_holes)
         return self.measured(path, numbers * {**CENTIMETRES, "levels": unit}[values], unit)
+
+
+_ESRI_START = re.compile(r"\s*ncols\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
+_ESRI_LINE = re.compile(
+    r"\s*(ncols|nrows|[xy]ll(?:corner|center)|cellsize|d[xy]|nodata_value)\s+(\S+)\s*", re.IGNORECASE
+)
+"""The first line of a grid in Esri's ASCII format, and a line of its header."""
+
+
+def is_esri_grid(text: str) -> bool:
+    """Return whether a text begins as a grid in Esri's ASCII format does, in which maps of ground are written."""
+    return bool(_ESRI_START.match(text))
+
+
+def _of_esri_grid(path: Path, text: str) -> Array:
+    """Return the numbers of a grid, shape (n_x, n_y); nan where it has none. A row may be on several lines."""
+    import numpy as np
+
+    values, at = {}, 0
+    while line := _ESRI_LINE.match(text, at):
+        values[line[1].lower()], at = line[2], line.end()
+    numbers = text[at:].split(None, MOST_CELLS)
+    try:
+        n_x, n_y, none = int(values["ncols"]), int(values["nrows"]), float(values.get("nodata_value", "nan"))
+        refuse_too_many_cells(path, n_x, n_y)
+        cells = np.array(numbers, dtype=np.float64)
+    except KeyError:
+        raise FileError(f"{path}: no line nrows in the header of the grid") from None
+    except ValueError as error:
+        raise FileError(f"{path}: {library_message(error)}") from None
+    if len(cells) != n_x * n_y:
+        raise FileError(f"{path}: {len(cells):,} numbers; {n_x} x {n_y} cells have {n_x * n_y:,}")
+    return np.where(cells == none, np.nan, cells).reshape(n_y, n_x)[::-1].T
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import zip_longest
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any
 from xml.etree.ElementTree import fromstring
 
@@ -145,11 +148,40 @@ def _picture(kind: str) -> str:
     return "" if ROBOTS.source(kind) else f"docs/pictures/small-{kind}.webp"
 
 
-def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:
-    names, values = (
-        max(len(text) for text in column) for column in zip(*((f.name, f.value) for f in figures), strict=True)
+_USUAL_WIDTH = 100
+"""Letters of a line if the output is no terminal, and COLUMNS is not set."""
+
+_LEAST = 16
+"""Letters of a column at the least, however narrow the terminal is."""
+
+
+def _rows(figures: Sequence[Figure], width: int) -> Iterator[str]:
+    """Yield the lines of a table of figures, each at most `width` letters long: long texts go on in the next line."""
+    names, values, origins = (
+        max(map(len, column)) for column in zip(*((f.name, f.value, f.origin) for f in figures), strict=True)
     )
-    lines = [kind, *(f"{f.name:<{names}}  {f.value:<{values}}  {f.origin}" for f in figures)]
+    room = width - names - 4  # two blanks between columns
+    broken = [_broken(figure.value, max(room - min(origins, room // 2), _LEAST)) for figure in figures]
+    values = max(len(line) for lines in broken for line in lines)
+    for figure, value_lines in zip(figures, broken, strict=True):
+        columns = ([figure.name], value_lines, _broken(figure.origin, max(room - values, _LEAST)))
+        for name, value, origin in zip_longest(*columns, fillvalue=""):
+            yield f"{name:<{names}}  {value:<{values}}  {origin}".rstrip()
+
+
+def _broken(text: str, width: int) -> list[str]:
+    """Return a text in lines of a width, broken at blanks and behind the + between joints, else within a name."""
+    lines = [""]
+    for word in re.findall(r"\s*[^\s+]*\+?", text):
+        if len(lines[-1]) + len(word) > width:
+            lines.append("")
+        rest = word if lines[-1] else word.lstrip()
+        lines[-1:] = [lines[-1] + rest[:width], *(rest[at : at + width] for at in range(width, len(rest), width))]
+    return [line for line in lines if line] or [""]
+
+
+def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:
+    lines = [kind, *_rows(figures, get_terminal_size((_USUAL_WIDTH, 0)).columns)]
     content = {"kind": kind, "figures": [asdict(figure) for figure in figures], "remarks": list(remarks)}
     return Report(lines=lines, content=content, notes=remarks)
 

@@ -11,10 +11,12 @@ file that it cannot read becomes a FileError.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from io import BufferedReader, BytesIO
 from itertools import islice
 from pathlib import Path
+from struct import unpack_from
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,6 +25,7 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.heights.table import is_esri_grid
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import Extra, pip_install
@@ -43,6 +46,9 @@ _MAX_CLOUD_MIB = 1024
 
 _MOST_NAMES = 12
 """Names of a point's values in a message at most."""
+
+_MOST_LINES = 11
+"""Lines of the header of a PCD file at most, comments left out."""
 
 _MOST_VALUES = 1000
 """Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
@@ -67,6 +73,9 @@ _LOOKED_AT = 1000
 _OF_AXIS = re.compile(r"^([xyz])\s*(?:[\[(/_ ].*)$")
 """The title of a column with its unit."""
 
+_OCTOMAPS = (".bt", ".ot")
+"""Endings of files with octrees, whose tools make clouds of them."""
+
 _COLLADA_UP, _ALONG = re.compile(r"<up_axis>\s*([XYZ])_UP"), 0.9
 """The axis up of a COLLADA file, y if it has none; and the cosine from which on a direction is along an axis."""
 
@@ -85,9 +94,10 @@ def is_cloud(path: Path) -> bool:
     return path.suffix.lower() in CLOUDS
 
 
-def reads(path: Path, _: bytes) -> str:
+def reads(path: Path, start: bytes) -> str:
     """Return what reads a file with a point cloud or a depth image (`Capability.reads`)."""
-    form = "" if path.suffix.lower() == ".txt" else CLOUDS.get(path.suffix.lower(), "")
+    is_other = path.suffix.lower() == ".txt" or is_esri_grid(start.decode("latin-1"))
+    form = "" if is_other else CLOUDS.get(path.suffix.lower(), "")
     return f"rsegen scan (for {'a depth image' if form == 'image' else 'a point cloud'})" if form else ""
 
 
@@ -117,6 +127,8 @@ def read_clouds(
 def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: str | None) -> Array | trimesh.Trimesh:
     """Return the points (n, 3) of a file, or its mesh, metres."""
     if not is_cloud(path):
+        if path.suffix.lower() in _OCTOMAPS:
+            raise FileError(f"{path}: a map of OctoMap; write its points with `octree2pointcloud FILE NEW.pcd`")
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
     form = CLOUDS[path.suffix.lower()]
     if topic is not None and form != "bag":
@@ -207,6 +219,8 @@ def _text(path: Path) -> tuple[Array, str]:
     They are x, y, z and perhaps more, or what the titles name so; a comma is a decimal one where it cannot be else.
     """
     lines = text_of(path, _MAX_CLOUD_MIB, "a cloud; write it as PLY or PCD").splitlines()
+    if is_esri_grid(lines[0] if lines else ""):
+        raise FileError(f"{path}: a grid of heights (Esri ASCII), not points; rsegen import reads it")
     first = next((at for at, line in enumerate(lines) if _POINT.match(line)), None)
     if first is None:
         raise FileError(f"{path}: no line has three numbers x, y, z")
@@ -265,7 +279,8 @@ def _pcd(path: Path) -> tuple[Array, str]:
         from pypcd4.pypcd4 import MetaData, PointCloud
 
         with open_regular(path) as file:
-            header = MetaData.parse_header(list(_header_lines(file)))
+            lines = _pcd_header(file)
+            header = MetaData.parse_header(lines)
             _refuse_many(path, header.points)
             if sum(header.count) > _MOST_VALUES:
                 raise FileError(f"{path}: {sum(header.count):,} values per point; at most {_MOST_VALUES:,} are allowed")
@@ -279,8 +294,7 @@ def _pcd(path: Path) -> tuple[Array, str]:
                 if len(points) < header.points:
                     raise FileError(f"{path}: has {len(points):,} of the {header.points:,} points that it says")
                 return points
-            file.seek(0)
-            cloud = PointCloud.from_fileobj(file)
+            cloud = PointCloud.from_fileobj(BufferedReader(BytesIO("\n".join([*lines, ""]).encode() + file.read())))
             return np.asarray(cloud.numpy([names[axis] for axis in "xyz"]), dtype=np.float64)
 
     return _checked(path, _by_library(path, read)), "m"
@@ -292,11 +306,35 @@ def _las(path: Path) -> tuple[Array, str]:
     def read() -> Array:
         import laspy
 
-        with open_regular(path) as file, laspy.open(file) as reader:
-            _refuse_many(path, reader.header.point_count)
-            return np.asarray(reader.read().xyz, dtype=np.float64)
+        with open_regular(path) as file:
+            _refuse_records(file)
+            with laspy.open(file) as reader:
+                _refuse_many(path, reader.header.point_count)
+                points = np.asarray(reader.read().xyz, dtype=np.float64)
+                if len(points) < reader.header.point_count:
+                    raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
+                return points
 
     return _checked(path, _by_library(path, read)), "m"
+
+
+_LAS_RECORD, _LONG_LAS_RECORD = 54, 60
+"""Bytes of the header of a variable length record of a LAS file, and of an extended one behind the points."""
+
+
+def _refuse_records(file: BufferedReader) -> None:
+    """Raise a ValueError if the header of a LAS file counts more records than have room: laspy would read each."""
+    head = file.read(247).ljust(247, b"\0")
+    size = file.seek(0, 2)
+    file.seek(0)
+    header, points, records = unpack_from("<HII", head, 94)
+    behind, long_records = unpack_from("<QI", head, 235) if head[25] >= 4 else (0, 0)  # from version 1.4 on
+    for count, room, length in (
+        (records, min(points, size) - header, _LAS_RECORD),
+        (long_records, size - behind, _LONG_LAS_RECORD),
+    ):
+        if count * length > max(room, 0):
+            raise ValueError(f"its header counts {count:,} records of variable length, for which it has no room")
 
 
 def _e57(path: Path) -> tuple[Array, str]:
@@ -309,13 +347,31 @@ def _bag(path: Path, topic: str | None) -> Array:
     return _checked(path, _by_library(path, lambda: bag_points(path, topic, partial(_refuse_many, path)), BAG))
 
 
-def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
-    """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
+_NEEDED = ("FIELDS", "SIZE", "TYPE", "WIDTH", "DATA")
+"""Lines that the header of a PCD file has at the least."""
+
+
+def _pcd_header(file: Iterable[bytes]) -> list[str]:
+    """Return the lines of a header up to DATA as pypcd4 takes them; ValueError if one is missing.
+
+    Comments are left out, and what the Point Cloud Library does without is filled in: files of versions .5 and .6 have
+    the same content, and one value of each field, one row of points and their number need not be said.
+    """
+    words: dict[str, str] = {}
     lines = (line.decode().strip() for line in file)
-    for line in islice((line for line in lines if line and not line.startswith("#")), 10):
-        yield line
-        if line.startswith("DATA"):
-            return
+    for line in islice((line for line in lines if line and not line.startswith("#")), _MOST_LINES):
+        key, _, value = line.partition(" ")
+        words["FIELDS" if key == "COLUMNS" else key] = value
+        if key == "DATA":
+            break
+    if missing := [key for key in _NEEDED if not words.get(key)]:
+        raise ValueError(f"no {', '.join(missing)} in its header")
+    words["VERSION"] = ".7"
+    words.setdefault("COUNT", " ".join("1" for _ in words["FIELDS"].split()))
+    words.setdefault("HEIGHT", "1")
+    words.setdefault("POINTS", str(int(words["WIDTH"]) * int(words["HEIGHT"])))
+    words["DATA"] = words.pop("DATA")  # the last line
+    return [f"{key} {value}" for key, value in words.items()]
 
 
 def _by_library(path: Path, read: Callable[[], _Content], extra: Extra = SCAN) -> _Content:

@@ -121,6 +121,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         yield from _doubt(scan)
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
         yield from _width(scan, width)
+        yield from _other_width(scan, options, written)
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
         yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
     yield from _rim(scan, options, written)
@@ -192,6 +193,22 @@ def _width(scan: Scan, width: str) -> Iterator[str]:
             f"warning: blocks {width} wide: if they are not, set the unit of the numbers (--values mm, cm or in); "
             "something else that is on a grid, as a part with holes or bosses, looks like blocks too"
         )
+
+
+def _other_width(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
+    """Yield a line if wider or narrower blocks of the given size would look the same."""
+    from rsegen.scanning.evidence import cells_per_block, times_narrower
+
+    if options.size is None:
+        return
+    width = written.with_unit(scan.block_width, 3)
+    for times, why in (
+        (cells_per_block(scan), "as what is raised then reaches from side to side, though steps are wider"),
+        (1 / times_narrower(scan), "though narrower ones would reach from side to side of the size"),
+    ):
+        if times != 1:
+            other = decimal(round(scan.block_width * times * 100, 3))
+            yield f"assumed: blocks {width} wide, {why} (--block-width-cm {other} if they are not)"
 
 
 def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:

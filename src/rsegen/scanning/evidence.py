@@ -112,3 +112,15 @@ def cells_per_block(scan: Scan) -> int:
         if between <= _MOST_BETWEEN * total and min(map(np.count_nonzero, lines)) >= _FEWEST_WIDE:
             return cells
     return 1
+
+
+def times_narrower(scan: Scan) -> int:
+    """Return how much narrower blocks have to be for what is raised to reach from side to side: 2, 3, or 1 if never.
+
+    scan: with the cells of a given size, of which the raised ones are just a half or a third along x and y.
+    """
+    i, j = np.nonzero(scan.tops > 0)
+    if scan.boundary != "none" or not len(i):
+        return 1
+    shares = [shape / (int(np.ptp(along)) + 1) for shape, along in zip(scan.levels.shape, (i, j), strict=True)]
+    return int(shares[0]) if shares[0] == shares[1] and shares[0] in (2, 3) else 1

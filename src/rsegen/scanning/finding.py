@@ -23,10 +23,10 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.graphs import component_labels, neighbours
-from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.lumber import sold_length
-from rsegen.params.sorts import Cell
-from rsegen.scanning.evidence import FEWEST_BITS, bits_saved, cells_per_block
+from rsegen.params.sorts import CENTIMETRES, Cell
+from rsegen.scanning.evidence import FEWEST_BITS, bits_saved, cells_per_block, times_narrower
 from rsegen.scanning.extent import (
     FrameLayout,
     KnownFrameLayout,
@@ -77,6 +77,8 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     scan, settings = _first_scan(near, middle, wanted)
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
+    if wanted.block_width is None and wanted.blocks is not None:
+        scan = _reaching(near, middle, wanted, scan)
     if wanted.block_width is None and wanted.blocks is None:
         advice = "set block_width_cm if it is made of blocks"
         if _is_one_patch(scan):
@@ -117,6 +119,30 @@ def _first_scan(near: Array, middle: Array, settings: ScanSettings) -> tuple[Sca
     if scan is None:
         raise refused
     return scan, settings
+
+
+def _reaching(near: Array, middle: Array, wanted: ScanSettings, scan: Scan) -> Scan:
+    """Return a field of a given size with narrower blocks, if what is raised then reaches from side to side.
+
+    Steps that are two blocks wide look like blocks that are twice as wide, of which the given size would leave half of
+    the field level. Only what rises to its middle, or falls, without a hole is taken for such steps.
+    """
+    times = times_narrower(scan)
+    raised = scan.tops[np.ix_(*((scan.tops > 0).any(axis=1 - axis) for axis in (0, 1)))]
+    if times == 1 or not (raised > 0).all() or not all(_is_stepped(rows) for rows in (raised, raised.T)):
+        return scan
+    known = replace(wanted, block_width=sold_length(scan.measured_width / times), boundary="none")
+    try:
+        other = _found_field(_gridded(near, middle, known, None), known)
+    except ScanError:
+        return scan
+    return other if other.confidence.mean() >= scan.confidence.mean() - _AS_SURE else scan
+
+
+def _is_stepped(rows: Ints) -> bool:
+    """Return whether each row (n, m) only rises and then falls, or falls and then rises, as one of a pyramid does."""
+    signs = [row[row != 0] for row in np.sign(np.diff(rows, axis=1))]
+    return all(np.count_nonzero(np.diff(own)) <= 1 for own in signs)
 
 
 def _widths_of_size(grid: _Gridded, settings: ScanSettings) -> Iterator[float]:
@@ -284,14 +310,14 @@ def _usable(points: Array) -> tuple[Array, Array]:
         raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < _FEWEST_POINTS:
-        raise ScanError(f"{len(points):,} points are too few for a field; at least {_FEWEST_POINTS} are needed")
+        raise ScanError(f"too few points for a field: {len(points):,}; at least {_FEWEST_POINTS} are needed")
     # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
     low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
     extent = float((high - low).max())
     if not _SMALLEST < extent < _LARGEST:
         raise ScanError(
-            f"the cloud is {extent:.3g} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set the unit of its numbers: "
-            "values m, cm, mm or in"
+            f"the cloud is {extent:{',.0f' if extent > 1 else '.3g'}} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set "
+            f"the unit of its numbers ({', '.join(CENTIMETRES)}) with values, or cut all but the field out of it"
         )
     near = ((points > low - extent) & (points < high + extent)).all(axis=1)
     return points[near] - (low + high) / 2, (low + high) / 2

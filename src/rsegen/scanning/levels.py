@@ -284,13 +284,14 @@ def find_unit(heights: Array, noise: float, given: float | None = None) -> float
     candidates = np.geomspace(max(2 * noise, highest / _MOST_LEVELS, 0.003), highest * 1.06, 1500)
     agreement = _agreement(values, weights, candidates)
     best = float(agreement.max())
-    last = int(np.flatnonzero(agreement >= _NEARLY_BEST * best)[-1])
-    run = int(np.argmax(np.append(agreement[last::-1] < _NEARLY_BEST * best, True)))  # of candidates nearly as good
+    if given is None and best < _CLEAR:
+        raise ScanError("the heights above the ground are no whole multiples of a unit; set unit_cm if they are")
+    enough = _NEARLY_BEST * best if best > 0 else best  # below 0 none agrees
+    last = int(np.flatnonzero(agreement >= enough)[-1])
+    run = int(np.argmax(np.append(agreement[last::-1] < enough, True)))  # of candidates nearly as good
     first = last - run + 1
     unit = float(candidates[first + int(agreement[first : last + 1].argmax())])
     if given is None:
-        if best < _CLEAR:
-            raise ScanError("the heights above the ground are no whole multiples of a unit; set unit_cm if they are")
         return unit
     own = given * np.linspace(0.95, 1.05, 41)  # blocks may be 5 % higher or lower than they should
     agrees = _agreement(values, weights, own)
