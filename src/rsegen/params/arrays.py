@@ -99,8 +99,14 @@ def order_of_draws(values: Any) -> Any:
     """
     xp, columns = namespace(values), values.shape[1]
     if columns <= _FEW:
-        keys = (cast(values * 2.0**53, "int64") - 2**52) * _FEW + arange(columns, values)  # 64 bits with their sign
-        return (np.sort(keys, axis=-1) if xp is np else xp.sort(keys, dim=-1).values) % _FEW
+        # 53 bits with their sign, in front of those of the index; exact, and in place, as memory limits this.
+        scaled = values - 0.5
+        scaled *= 2.0**53 * _FEW
+        keys = cast(scaled, "int64")
+        keys += arange(columns, values)
+        keys = np.sort(keys, axis=-1) if xp is np else xp.sort(keys, dim=-1).values
+        keys &= _FEW - 1
+        return keys
     return np.argsort(values, axis=-1, kind="stable") if xp is np else xp.argsort(values, dim=-1, stable=True)
 
 
