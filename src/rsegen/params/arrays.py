@@ -70,6 +70,11 @@ def asarray(values: Any, like: Any) -> Any:
     return values if xp is np else xp.as_tensor(values, device=like.device)
 
 
+def as_numpy(values: Any) -> Any:
+    """Return an array of numpy, or the values of a tensor as one."""
+    return values if namespace(values) is np else values.cpu().numpy()
+
+
 def overwrite(values: Any, new: Any, mask: Any) -> None:
     """Put new values in place of those of a mask."""
     xp = namespace(values)
