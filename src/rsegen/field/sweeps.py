@@ -77,7 +77,7 @@ def percolation_steps(lanes: Lanes) -> Ints:
     """Return the percolation step of each map along the first axis of its lane, in units of the heights."""
     far = np.iinfo(lanes.heights.dtype).max
     ahead, aside = lanes.closed(np.abs(lanes.ahead), np.abs(lanes.aside), far)
-    return np.asarray(_least(np.maximum, far, (ahead, ahead), (aside, aside))[-1].min(axis=0))
+    return np.asarray(_least(np.maximum, _from_first_row(lanes.heights, far), (ahead, ahead), (aside, aside))[-1].min(axis=0))
 
 
 def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: int) -> tuple[Ints, Mask]:
@@ -112,7 +112,8 @@ def _are_crossed(lanes: Lanes, limits: tuple[int, int]) -> Mask:
         return lanes.closed(ahead, aside, 1)
 
     (ahead, aside), (back, aside_back) = closed(1), closed(-1)
-    return np.asarray(_least(np.maximum, 1, (ahead, back), (aside, aside_back))[-1].min(axis=0) == 0)
+    start = _from_first_row(lanes.heights.astype(np.int8), 1)
+    return np.asarray(_least(np.maximum, start, (ahead, back), (aside, aside_back))[-1].min(axis=0) == 0)
 
 
 def _cheapest_path(lanes: Lanes, limit: Ints, tread: int) -> Ints:
@@ -131,7 +132,7 @@ def _cheapest_path(lanes: Lanes, limit: Ints, tread: int) -> Ints:
         step = np.abs(rise)
         moves.append(np.where(step <= limit, step.astype(kind) * kind(scale) + kind(tread), kind(far)))
     ahead, aside = lanes.closed(*moves, far)
-    costs = _least(np.add, far, (ahead, ahead), (aside, aside))
+    costs = _least(np.add, _from_first_row(lanes.heights.astype(kind), far), (ahead, ahead), (aside, aside))
     before, row = _before(costs, ahead, aside, tread), costs[0].size
     offsets = np.array([row, row // costs.shape[1], -(row // costs.shape[1]), -row])[before]
     n_x, n_y, maps = costs.shape
@@ -176,14 +177,27 @@ def _tops(heights: Any, like: StepField, limits: StepLimits) -> Ints:
     return np.asarray(tops // unit)
 
 
-def _least(join: np.ufunc, far: int, ahead: tuple[Any, Any], aside: tuple[Any, Any]) -> Any:
-    """Return the least value of any path from the first row to each cell (n_x, n_y, maps), by sweeps.
+def plateaus(levels: Ints) -> Ints:
+    """Return for each cell (n_x, n_y, maps) the first cell, as a flat index, of its connected component of equal level."""
+    n_x, n_y, maps = levels.shape
+    cells = np.arange(n_x * n_y, dtype=np.min_scalar_type(-n_x * n_y)).reshape(n_x, n_y, 1)
+    ahead, aside = (np.where(np.diff(levels, axis=axis) == 0, cells[0, 0], cells[-1, -1]) for axis in (0, 1))
+    return _least(np.maximum, np.repeat(cells, maps, axis=2), (ahead, ahead), (aside, aside))  # type: ignore[no-any-return]
 
-    join: of the value of a path and that of its next move: np.add or np.maximum   far: value if there is no path
+
+def _from_first_row(like: Ints, far: int) -> Ints:
+    """Return the values of paths before any sweep: 0 in the first row, `far` elsewhere."""
+    values = np.full_like(like, far)
+    values[0] = 0
+    return values
+
+
+def _least(join: np.ufunc, values: Any, ahead: tuple[Any, Any], aside: tuple[Any, Any]) -> Any:
+    """Lower the value of each cell (n_x, n_y, maps) to the least of any path that leads to it, by sweeps, in place.
+
+    join: of the value of a path and that of its next move: np.add or np.maximum
     ahead, aside: values of the moves to the next cell along either axis, and of those back from it
     """
-    values = np.full((len(aside[0]), *ahead[0].shape[1:]), far, dtype=ahead[0].dtype)
-    values[0] = 0
     across = values.swapaxes(0, 1), *(moves.swapaxes(0, 1) for moves in aside)
     while True:
         before = values.copy()
