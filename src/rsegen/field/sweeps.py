@@ -1,4 +1,4 @@
-"""Paths across many fields at once: percolation steps, and the cheapest paths that are lowered until they can be crossed.
+"""Paths across many fields at once: percolation steps, and cheapest paths, lowered until they can be crossed.
 
 A cell's value, the highest step or the cost of the best path to it, follows from that of its neighbours. Rows take it
 over from the row before, up and down both axes, until no value changes (fast sweeping, Zhao 2005): one operation per
@@ -77,7 +77,14 @@ def percolation_steps(lanes: Lanes) -> Ints:
     """Return the percolation step of each map along the first axis of its lane, in units of the heights."""
     far = np.iinfo(lanes.heights.dtype).max
     ahead, aside = lanes.closed(np.abs(lanes.ahead), np.abs(lanes.aside), far)
-    return np.asarray(_least(np.maximum, _from_first_row(lanes.heights, far), (ahead, ahead), (aside, aside))[-1].min(axis=0))
+    return np.asarray(
+        _least(
+            np.maximum,
+            _from_first_row(lanes.heights.shape, lanes.heights.dtype.type(far)),
+            (ahead, ahead),
+            (aside, aside),
+        )[-1].min(axis=0)
+    )
 
 
 def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: int) -> tuple[Ints, Mask]:
@@ -94,7 +101,7 @@ def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: in
     ground = ground._replace(heights=ground.heights[:, :, blocked])
     type(limits).of(int(needed.max()) * ground.unit / NANOMETRES, limits.width)  # that steps are within bounds
     path = _cheapest_path(ground, needed[blocked], round(like.block_width * NANOMETRES))
-    caps = np.full(ground.heights.shape, NO_CAP, dtype=np.int32)
+    caps: Any = np.full(ground.heights.shape, NO_CAP, dtype=np.int32)
     caps.ravel()[path] = _tops(ground.heights.ravel().take(path) * np.int64(ground.unit), like, limits)
     caps = -widened(-caps, ground.margin - 1, -NO_CAP)[ground.margin : -ground.margin]
     lowered = levels.copy()
@@ -112,7 +119,7 @@ def _are_crossed(lanes: Lanes, limits: tuple[int, int]) -> Mask:
         return lanes.closed(ahead, aside, 1)
 
     (ahead, aside), (back, aside_back) = closed(1), closed(-1)
-    start = _from_first_row(lanes.heights.astype(np.int8), 1)
+    start = _from_first_row(lanes.heights.shape, np.int8(1))
     return np.asarray(_least(np.maximum, start, (ahead, back), (aside, aside_back))[-1].min(axis=0) == 0)
 
 
@@ -127,12 +134,10 @@ def _cheapest_path(lanes: Lanes, limit: Ints, tread: int) -> Ints:
     most = lanes.heights[..., 0].size * (tread + int(limit.max()) * scale)  # cost of a path through all cells
     kind = np.result_type(np.int16, np.min_scalar_type(-4 * most - 4)).type
     far = int(np.iinfo(kind).max) // 2
-    moves = []
-    for rise in (lanes.ahead, lanes.aside):
-        step = np.abs(rise)
-        moves.append(np.where(step <= limit, step.astype(kind) * kind(scale) + kind(tread), kind(far)))
-    ahead, aside = lanes.closed(*moves, far)
-    costs = _least(np.add, _from_first_row(lanes.heights.astype(kind), far), (ahead, ahead), (aside, aside))
+    steps = (np.abs(rise) for rise in (lanes.ahead, lanes.aside))
+    ahead, aside = (np.where(own <= limit, own.astype(kind) * kind(scale) + kind(tread), kind(far)) for own in steps)
+    ahead, aside = lanes.closed(ahead, aside, far)
+    costs = _least(np.add, _from_first_row(lanes.heights.shape, kind(far)), (ahead, ahead), (aside, aside))
     before, row = _before(costs, ahead, aside, tread), costs[0].size
     offsets = np.array([row, row // costs.shape[1], -(row // costs.shape[1]), -row])[before]
     n_x, n_y, maps = costs.shape
@@ -155,7 +160,12 @@ def _before(costs: Any, ahead: Any, aside: Any, tread: int) -> Any:
         begin = np.where(later, costs, far // 2).min(axis=(0, 1))
     first = np.full_like(costs, far)
     up, down = np.s_[1:], np.s_[:-1]
-    moves = ((down, up, ahead), (np.s_[:, :-1], np.s_[:, 1:], aside), (np.s_[:, 1:], np.s_[:, :-1], aside), (up, down, ahead))
+    moves = (
+        (down, up, ahead),
+        (np.s_[:, :-1], np.s_[:, 1:], aside),
+        (np.s_[:, 1:], np.s_[:, :-1], aside),
+        (up, down, ahead),
+    )
     for side, (at, of, move) in enumerate(moves):
         leads = costs[of] + move == costs[at]
         np.minimum(first[at], np.where(leads, passes[of] * 4 + side, far), out=first[at])
@@ -178,16 +188,16 @@ def _tops(heights: Any, like: StepField, limits: StepLimits) -> Ints:
 
 
 def plateaus(levels: Ints) -> Ints:
-    """Return for each cell (n_x, n_y, maps) the first cell, as a flat index, of its connected component of equal level."""
+    """Return the first cell, as a flat index, of the connected component of equal level of each cell (n_x, n_y, maps)."""
     n_x, n_y, maps = levels.shape
     cells = np.arange(n_x * n_y, dtype=np.min_scalar_type(-n_x * n_y)).reshape(n_x, n_y, 1)
     ahead, aside = (np.where(np.diff(levels, axis=axis) == 0, cells[0, 0], cells[-1, -1]) for axis in (0, 1))
     return _least(np.maximum, np.repeat(cells, maps, axis=2), (ahead, ahead), (aside, aside))  # type: ignore[no-any-return]
 
 
-def _from_first_row(like: Ints, far: int) -> Ints:
+def _from_first_row(shape: tuple[int, ...], far: Any) -> Ints:
     """Return the values of paths before any sweep: 0 in the first row, `far` elsewhere."""
-    values = np.full_like(like, far)
+    values = np.full(shape, far)
     values[0] = 0
     return values
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,9 +79,10 @@ def field_heights(field: StepField) -> Heights:
     return np.rint(field.heights * NANOMETRES).astype(np.int64)
 
 
-def widened(heights: Ints, aside: int, around: int = 0) -> Ints:
-    """Return the maximum over the (2 aside + 1)^2 cells around each cell (n_x, n_y, ...); outside is ground of height 0,
-    or of another one.
+def widened(heights: Any, aside: int, around: int = 0) -> Any:
+    """Return the maximum over the (2 aside + 1)^2 cells around each cell (n_x, n_y, ...).
+
+    around: height of the ground outside the field.
     """
     for _axis in (0, 1):
         margins = ((aside, aside), *[(0, 0)] * (heights.ndim - 1))

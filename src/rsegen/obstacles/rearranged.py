@@ -335,7 +335,7 @@ class _Arrangements:
 
         Swaps that make it neither worse nor better are left out if they lead away from `like`. drawn: (maps, draws).
         """
-        probabilities = np.cumprod([1.0, *[worse] * _MOST_WORSE])
+        probabilities: Any = np.cumprod([1.0, *[worse] * _MOST_WORSE])
         start = 0
         for colour in self._colours:
             cells, pairs = colour.draws
@@ -346,7 +346,7 @@ class _Arrangements:
 
     def _swap(self, colour: _Colour, numbers: Array, chances: Array, probabilities: Array) -> None:
         """Swap pairs of cells of one colour and zone, mixed by their numbers (maps, cells)."""
-        maps, cells = numbers.shape
+        maps = len(numbers)
         places = _mixed(colour, numbers).T[colour.paired] * maps + np.arange(maps)  # flat indices into (cells, maps)
         before, around = self._levels[colour.cells], self._levels[colour.around]
         old = before.ravel().take(places)

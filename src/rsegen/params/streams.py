@@ -92,10 +92,10 @@ class Streams:
         """Return the streams of the obstacle `key` in these maps."""
         import numpy as np
 
-        begun, rest = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
+        seeded, rest = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
         digests = []
         for index in indices:  # as `digest`, which begins anew
-            own = begun.copy()
+            own = seeded.copy()
             own.update(f"{index}{rest}".encode())
             digests.append(own.digest())
         entropy = np.frombuffer(b"".join(digests), "<u4").reshape(-1, _WORDS).astype(np.uint32)

@@ -8,7 +8,7 @@ numpy's cost per call exceeds that of the cells of a small map, so thousands of 
     layouts that draw, as stones       the numbers of all maps with rectangles of one shape
     pallets, `max_step` of an obstacle swaps of all maps with rectangles of one shape (obstacles/rearranged.py)
     difficulty, a largest step         all maps at once (difficulty.py, constraints/meeting.py)
-    limits of steps that cross         sweeps over all maps, and the paths of those that are not crossed (field/sweeps.py)
+    paths of steps within limits       all maps at once, by sweeps (field/sweeps.py)
     all else                           map by map, as by `build`: kinds of others that draw in their `patch`; maps with
                                        an inventory, or that a robot has to cross
 
@@ -39,7 +39,7 @@ _CELLS_AT_ONCE = 2**17
 _MORE_REARRANGED = 4
 """Times as many cells are made together if blocks are swapped, as few maps are left in most of the sweeps."""
 
-_CELLS_SCALED_AT_ONCE = 2**15
+_CELLS_SCALED_AT_ONCE = 2**16
 """Cells that are scaled to their difficulty together, in several arrays of numbers at a time."""
 
 _FEW_CELLS = 2**12

@@ -125,16 +125,16 @@ def roughness(field: Any, parts: tuple[int, int]) -> Any:
     if not maps:
         return sqrt(sum(int(np.vdot(rise, rise)) for rise in rises))
     xp = namespace(field)
-    return xp.sqrt(cast(sum((rise * rise).sum((0, 1, 2)) for rise in rises), "float64"))
+    return xp.sqrt(cast(sum((rise * rise).reshape(-1, *maps).sum(0) for rise in rises), "float64"))
 
 
 def nearest_field(
     at: Callable[[Any], Any], measure: Callable[[Any], Any], designed: Any, share: Any, halvings: Any
 ) -> Any:
-    """Return the field `at(scale)` whose measure is nearest to a share of that at scale 1, by bisection; or many fields.
+    """Return the field `at(scale)` whose measure is nearest to a share of that at scale 1, by bisection.
 
-    designed: the measure at scale 1; at 0 it is 0. designed, share, halvings: numbers, or (maps,). A larger share never
-    gives a smaller scale, so the fields of rising difficulty are nested.
+    designed: the measure at scale 1; at 0 it is 0. designed, share, halvings: numbers, or (maps,) for many fields. A
+    larger share never gives a smaller scale, so the fields of rising difficulty are nested.
     """
     asked = share * designed
     low, high = (0 * asked, 0 * asked), (0 * asked + 1, designed)  # scales, and the measures there

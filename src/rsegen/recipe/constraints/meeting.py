@@ -36,6 +36,7 @@ from rsegen.obstacles.random import Random
 from rsegen.params.arrays import as_numpy, asarray, maps_first, maps_last, namespace
 from rsegen.params.streams import Streams, generator
 from rsegen.params.watch import report_share
+from rsegen.recipe.building import field_of
 from rsegen.recipe.constraints.inventory import (
     Blocks,
     Stock,
@@ -46,7 +47,6 @@ from rsegen.recipe.constraints.inventory import (
     refilled,
     used,
 )
-from rsegen.recipe.building import field_of
 from rsegen.recipe.difficulty import parts_of
 from rsegen.recipe.map_design import MapDesign
 
