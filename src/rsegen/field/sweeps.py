@@ -188,7 +188,7 @@ def _tops(heights: Any, like: StepField, limits: StepLimits) -> Ints:
 
 
 def plateaus(levels: Ints) -> Ints:
-    """Return the first cell, as a flat index, of the connected component of equal level of each cell (n_x, n_y, maps)."""
+    """Return the first cell, as a flat index, of the component of equal level of each cell (n_x, n_y, maps)."""
     n_x, n_y, maps = levels.shape
     cells = np.arange(n_x * n_y, dtype=np.min_scalar_type(-n_x * n_y)).reshape(n_x, n_y, 1)
     ahead, aside = (np.where(np.diff(levels, axis=axis) == 0, cells[0, 0], cells[-1, -1]) for axis in (0, 1))
