@@ -30,7 +30,7 @@ from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
-from rsegen.recipe.building import blocks, fixed_ends, flat_ground, impose, placed_by
+from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose, placed_by
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17
@@ -114,7 +114,7 @@ def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, sca
         if recipe.is_constrained:
             from rsegen.recipe.constraints.meeting import blocks_constrained
 
-            part[:] = blocks_constrained(part, recipe)
+            part[:] = blocks_constrained(part, recipe, field_of(recipe, flat_ground(recipe.grid)))
 
 
 def _are_met_together(recipe: MapDesign) -> bool:

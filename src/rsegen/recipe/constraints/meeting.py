@@ -36,7 +36,6 @@ from rsegen.obstacles.random import Random
 from rsegen.params.arrays import as_numpy, asarray, maps_first, maps_last, namespace
 from rsegen.params.streams import Streams, generator
 from rsegen.params.watch import report_share
-from rsegen.recipe.building import field_of
 from rsegen.recipe.constraints.inventory import (
     Blocks,
     Stock,
@@ -68,13 +67,15 @@ def are_met_together(design: MapDesign) -> bool:
     return design.crossable_by is None or (isinstance(design.crosser, StepLimits) and is_small)
 
 
-def blocks_constrained(levels: Levels, design: MapDesign) -> Levels:
-    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `constrained` by their design."""
+def blocks_constrained(levels: Levels, design: MapDesign, like: StepField) -> Levels:
+    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `constrained` by their design.
+
+    like: any field of the design.
+    """
     if design.max_step is not None:
         levels = _blocks_step_limited(levels, design)
     if not isinstance(design.crosser, StepLimits):
         return levels
-    like = field_of(design, np.zeros(levels.shape[1:], dtype=np.int16))
     inside, blocks = np.ix_(like.inside(0), like.inside(1)), maps_last(as_numpy(levels), "int16")
     fields = np.zeros((*like.shape, len(levels)), dtype=np.int16)
     fields[inside] = blocks
