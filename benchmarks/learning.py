@@ -78,7 +78,7 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "random, counts": ({"obstacles": [Random(levels=LEVELS, counts=(20,) * 5)]}, 4096),
     "random, `max_step` of the recipe": ({"max_step": 2}, 4096),
     "random, `max_step` of its own": ({"obstacles": [Random(levels=LEVELS, max_step=2)]}, 4096),
-    "random, `crossable_by`": ({"crossable_by": (10, 10, 20)}, 64),
+    "random, `crossable_by`": ({"crossable_by": (10, 10, 20)}, 4096),
     "random, difficulty 0.5": ({"difficulty": 0.5}, 4096),
     "normal random": (DESIGNS["normal random"], 4096),
     "barriers at drawn ends": (DESIGNS["diagonal barrier with drawn ends"], 4096),

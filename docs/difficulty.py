@@ -82,5 +82,5 @@ def _by_chance(recipe: Recipe, share: float) -> Levels:
     whole = build(replace(recipe, boundary="none")).levels
     drawn = generator(recipe.seed, 0, "by chance").random(whole.shape)
     measure = partial(roughness, parts=parts_of(whole.shape, recipe))
-    found: Levels = nearest_field(partial(scaled, whole, drawn), measure, share * measure(whole), 40)
+    found: Levels = nearest_field(partial(scaled, whole, drawn), measure, measure(whole), share, 40)
     return found

@@ -117,6 +117,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "field/stepfield",
         "obstacles/rearranged",
         "field/traversability",
+        "field/sweeps",
         "field/graphs",
         "measuring/roughness",
         "measuring/spectrum",

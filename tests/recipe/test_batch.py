@@ -132,6 +132,26 @@ def test_uneven_stones_of_many_maps_are_those_built_one_by_one(ends: dict[str, A
     assert len(np.unique(many, axis=0)) > 20
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"crossable_by": (5, 5, 20)},
+        {"crossable_by": (5, 15, 0), "chunks": (2, 1)},
+        {"crossable_by": (10, 10, 30), "max_step": 3, "boundary": "outer"},
+        {"crossable_by": (1, 2, 30), "unit_cm": 1 / 3, "block_width_cm": 7.77, "frame_height_cm": 0.9},
+    ],
+    ids=str,
+)
+def test_maps_lowered_along_a_path_together_equal_maps_lowered_one_by_one(changes: dict[str, Any]) -> None:
+    recipe = Recipe(
+        **{"seed": 7, "chunk_size": 8, "unit_cm": 5, "frame_height_cm": 5, "obstacles": [Random(levels=9)], **changes}
+    )
+    designed = rsegen.build_many(replace(recipe, crossable_by=None), range(40))
+    lowered = rsegen.build_many(recipe, range(40))
+    assert (lowered < designed).any(axis=(1, 2)).sum() > 20
+    assert np.array_equal(lowered, _one_by_one(recipe, range(40)))
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_pallets_and_reordered_blocks_of_many_maps_are_those_built_one_by_one(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,22 +56,22 @@ class PathGround(NamedTuple):
 
 def ground(field: StepField, width: float) -> PathGround:
     """Return the ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
-    heights = _widened(field_heights(field), cells_to_each_side(field, width))
+    heights = widened(field_heights(field), cells_to_each_side(field, width))
     return PathGround(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def below(field: StepField, width: float, cells: Mask) -> Mask:
     """Return the blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
-    return np.asarray((_widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
+    return np.asarray((widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
 
 
 def lane(field: StepField, width: float, axis: int) -> PathGround:
     """Return the ground with level ground before and behind the field along an axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1
     heights = field_heights(field) if axis == 0 else field_heights(field).T
-    widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
+    ground = widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
     columns = np.pad(field.inside(axis), margin, constant_values=True)
-    return PathGround(widened, rows=field.inside(1 - axis), columns=columns)
+    return PathGround(ground, rows=field.inside(1 - axis), columns=columns)
 
 
 def field_heights(field: StepField) -> Heights:
@@ -79,15 +79,19 @@ def field_heights(field: StepField) -> Heights:
     return np.rint(field.heights * NANOMETRES).astype(np.int64)
 
 
-def _widened(heights: Heights, aside: int) -> Heights:
-    """Return the maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
+def widened(heights: Any, aside: int, around: int = 0) -> Any:
+    """Return the maximum over the (2 aside + 1)^2 cells around each cell (n_x, n_y, ...).
+
+    around: height of the ground outside the field.
+    """
     for _axis in (0, 1):
-        heights, covered = np.pad(heights, ((aside, aside), (0, 0))), 1
+        margins = ((aside, aside), *[(0, 0)] * (heights.ndim - 1))
+        heights, covered = np.pad(heights, margins, constant_values=around), 1
         while covered <= 2 * aside:  # rows over which each is the maximum: doubled, up to 2 aside + 1
             ahead = min(covered, 2 * aside + 1 - covered)
             heights = np.maximum(heights[:-ahead], heights[ahead:])
             covered += ahead
-        heights = heights.T
+        heights = heights.swapaxes(0, 1)
     return heights
 
 

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.field.sweeps import LARGE, lanes, percolation_steps
 from rsegen.field.traversability import percolation
 from rsegen.params.sorts import NANOMETRES
 
@@ -35,9 +36,6 @@ COLUMNS = (
     "opening.south_north",
 )
 """Names of the metrics; lengths in metres."""
-
-LARGE = 10_000
-"""Cells of a map, frames counted, from which maps are faster one by one: measured on random maps."""
 
 _DIRECTIONS = ("west_east", "south_north")
 
@@ -107,43 +105,8 @@ def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
         fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
         steps = [percolation(field) for field in fields]
         return {f"opening.{name}": np.array([getattr(step, name) for step in steps]) for name in _DIRECTIONS}
-    # Heights are integer multiples of their greatest common divisor, in as few bits as hold their differences.
-    levels = np.arange(int(whole.max()) + 1) * like.unit
-    nanometres = np.rint(np.round([*levels, like.frame_height], 9) * NANOMETRES).astype(np.int64)
-    unit = int(np.gcd.reduce(nanometres)) or 1
-    sizes = nanometres // unit
-    sizes = sizes.astype(np.result_type(np.int16, np.min_scalar_type(-2 * int(sizes.max()) - 2)))
-    heights = np.where(like.frame[:, :, None], sizes[-1], sizes[whole])
-    along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
+    ways = (lanes(whole, like, 0.0, axis) for axis in (0, 1))
     return {
-        f"opening.{name}": np.asarray(_minimax(*of) * (unit / NANOMETRES))
-        for name, of in zip(_DIRECTIONS, along, strict=True)
+        f"opening.{name}": np.asarray(percolation_steps(way) * (way.unit / NANOMETRES))
+        for name, way in zip(_DIRECTIONS, ways, strict=True)
     }
-
-
-def _minimax(heights: Ints, frame: Mask) -> Ints:
-    """Return the smallest highest step of all paths along the first axis, for each map, by sweeps until none changes.
-
-    No path goes along a row or column of only frame cells; before and behind the map there is level ground.
-    """
-    # A cell costs the larger of its predecessor's cost and the step from it; the least over all predecessors counts.
-    far = np.iinfo(heights.dtype).max
-    ground = np.pad(heights, ((1, 1), (0, 0), (0, 0)))
-    ahead, aside = (np.abs(np.diff(ground, axis=axis)) for axis in (0, 1))
-    ahead[:, frame.all(axis=0)] = far
-    aside[1:-1][frame.all(axis=1)] = far
-    lowest = np.full(ground.shape, far, dtype=heights.dtype)
-    lowest[0] = 0
-    while True:
-        before = lowest.copy()
-        for costs, steps in ((lowest, ahead), (lowest.swapaxes(0, 1), aside.swapaxes(0, 1))):
-            _swept(costs, steps)
-            _swept(costs[::-1], steps[::-1])
-        if (before == lowest).all():
-            return np.asarray(lowest[-1].min(axis=0))
-
-
-def _swept(costs: Ints, steps: Ints) -> None:
-    """Update the cost of each cell from its predecessor along the first axis."""
-    for k in range(len(steps)):
-        np.minimum(costs[k + 1], np.maximum(costs[k], steps[k]), out=costs[k + 1])

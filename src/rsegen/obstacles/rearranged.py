@@ -232,16 +232,22 @@ class _Colour(NamedTuple):
     """The movable cells of one colour, zone by zone: what the swaps of a sweep need of them.
 
     cells: their flat indices   places: the number of each among those drawn   zones: the part of each zone
-    first: which of the mixed cells are the first of a pair; the next one is the second
+    paired: which of the mixed cells are pairs, one cell of a pair after the other
     around: flat indices of the neighbours (4, cells)   limits: of the steps to them (4, cells, 1)
     """
 
     cells: Ints
     places: Ints
     zones: tuple[slice, ...]
-    first: Ints
+    paired: Ints | slice
     around: Ints
     limits: Ints
+
+    @property
+    def draws(self) -> tuple[int, int]:
+        """How many numbers mix the cells, and how many are chances of pairs."""
+        paired = self.paired.stop if isinstance(self.paired, slice) else len(self.paired)
+        return len(self.cells), paired // 2
 
 
 class _Arrangements:
@@ -265,7 +271,7 @@ class _Arrangements:
         movable = np.flatnonzero(self._zones >= 0)
         colour = (movable // (n_y + 2) + 2 * (movable % (n_y + 2))) % _COLOURS
         self._colours = [self._colour(movable[colour == index]) for index in range(_COLOURS)]
-        self.draws = sum(len(colour.cells) + len(colour.first) for colour in self._colours)
+        self.draws = sum(sum(colour.draws) for colour in self._colours)
 
     def _colour(self, cells: Ints) -> _Colour:
         """Return the cells of one colour, given in ascending order, zone by zone."""
@@ -276,13 +282,14 @@ class _Arrangements:
         ends = np.flatnonzero(np.diff(zone)) + 1
         parts = tuple(slice(*pair) for pair in zip([0, *ends.tolist()], [*ends.tolist(), len(cells)], strict=True))
         first = np.arange(0, len(cells) // 2 * 2, 2)
+        first = first[zone[first] == zone[first + 1]]
         around = cells + np.array([1, -1, width, -width])[:, None]
         limits = np.where(self._there.flat[around], self._limit, _NO_STEP)[..., None]
         return _Colour(
             cells=cells,
             places=places,
             zones=parts,
-            first=first[zone[first] == zone[first + 1]],
+            paired=np.stack([first, first + 1], axis=1).ravel() if len(parts) > 1 else slice(2 * len(first)),
             around=around,
             limits=limits.astype(self._levels.dtype),
         )
@@ -331,39 +338,51 @@ class _Arrangements:
         probabilities: Any = np.cumprod([1.0, *[worse] * _MOST_WORSE])
         start = 0
         for colour in self._colours:
-            middle = start + len(colour.cells)
-            numbers, (start, end) = drawn[:, start:middle], (middle, middle + len(colour.first))
-            chances, start = drawn[:, start:end].T, end
-            if len(colour.first):
+            cells, pairs = colour.draws
+            numbers, chances = np.split(drawn[:, start : start + cells + pairs], [cells], axis=1)
+            start += cells + pairs
+            if pairs:
                 self._swap(colour, numbers, chances, probabilities)
 
     def _swap(self, colour: _Colour, numbers: Array, chances: Array, probabilities: Array) -> None:
         """Swap pairs of cells of one colour and zone, mixed by their numbers (maps, cells)."""
-        mixed = _mixed(colour, numbers).T * len(numbers) + np.arange(len(numbers))
-        a, b = mixed[colour.first], mixed[colour.first + 1]  # flat indices into (cells, maps)
-        before = self._levels[colour.cells]
-        of_a, of_b = before.ravel()[a], before.ravel()[b]
+        maps = len(numbers)
+        places = _mixed(colour, numbers).T[colour.paired] * maps + np.arange(maps)  # flat indices into (cells, maps)
+        before, around = self._levels[colour.cells], self._levels[colour.around]
+        old = before.ravel().take(places)
+        new = old.reshape(-1, 2, maps)[:, ::-1].reshape(old.shape)
         after = before.copy()
-        after.ravel()[a], after.ravel()[b] = of_b, of_a
-        rises = (self._excess(colour, after) - self._excess(colour, before)).ravel()
-        rise = rises[a] + rises[b]
-        swapped = chances < probabilities[np.clip(rise, 0, _MOST_WORSE)]
+        after.ravel()[places] = new
+        rises = self._excess(colour, after, around) - self._excess(colour, before, around)
+        rise = _of_pairs(rises, places)
+        swapped = rise <= 0
+        # Only few chances are below the probability of the smallest rise.
+        lucky, pair = np.nonzero(chances < probabilities[1])
+        risen = rise[pair, lucky]
+        swapped[pair, lucky] |= chances[lucky, pair] < probabilities[np.clip(risen, 0, _MOST_WORSE)]
         if self._like is not None:
             like = self._like[colour.cells]
-            farther, nearer = (np.abs(levels - like).ravel() for levels in (before, after))
-            swapped &= (rise != 0) | (nearer[a] + nearer[b] <= farther[a] + farther[b])
-        before.ravel()[a], before.ravel()[b] = np.where(swapped, of_b, of_a), np.where(swapped, of_a, of_b)
+            farther, nearer = (_of_pairs(np.abs(levels - like), places) for levels in (before, after))
+            swapped &= (rise != 0) | (nearer <= farther)
+        before.ravel()[places] = np.where(np.repeat(swapped, 2, axis=0), new, old)
         self._levels[colour.cells] = before
 
-    def _excess(self, colour: _Colour, levels: Ints) -> Any:
-        """Return by how many levels each cell (cells, maps), with these levels, exceeds its limits: steps, cap."""
-        excess = np.zeros_like(levels)
-        for around, limits in zip(colour.around, colour.limits, strict=True):
-            beyond = self._levels[around] - levels
-            np.abs(beyond, out=beyond)
-            beyond -= limits
-            excess += np.maximum(beyond, 0, out=beyond)
+    def _excess(self, colour: _Colour, levels: Ints, around: Ints) -> Any:
+        """Return by how many levels each cell (cells, maps), with these levels, exceeds its limits: steps, cap.
+
+        around: the levels of its neighbours, (4, cells, maps).
+        """
+        steps = around - levels
+        np.abs(steps, out=steps)
+        steps -= np.minimum(steps, colour.limits)
+        excess = (steps[0] + steps[1]) + (steps[2] + steps[3])
         return excess if self._caps is None else excess + np.maximum(levels - self._caps[colour.cells], 0)
+
+
+def _of_pairs(values: Any, places: Ints) -> Any:
+    """Return the sum of the values of both cells of each pair, (pairs, maps)."""
+    own = values.ravel().take(places)
+    return own[::2] + own[1::2]
 
 
 def _mixed(colour: _Colour, numbers: Array) -> Ints:

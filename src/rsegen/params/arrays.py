@@ -70,6 +70,11 @@ def asarray(values: Any, like: Any) -> Any:
     return values if xp is np else xp.as_tensor(values, device=like.device)
 
 
+def as_numpy(values: Any) -> Any:
+    """Return an array of numpy, or the values of a tensor as one."""
+    return values if namespace(values) is np else values.cpu().numpy()
+
+
 def overwrite(values: Any, new: Any, mask: Any) -> None:
     """Put new values in place of those of a mask."""
     xp = namespace(values)
@@ -99,8 +104,14 @@ def order_of_draws(values: Any) -> Any:
     """
     xp, columns = namespace(values), values.shape[1]
     if columns <= _FEW:
-        keys = (cast(values * 2.0**53, "int64") - 2**52) * _FEW + arange(columns, values)  # 64 bits with their sign
-        return (np.sort(keys, axis=-1) if xp is np else xp.sort(keys, dim=-1).values) % _FEW
+        # 53 bits with their sign, in front of those of the index; exact, and in place, as memory limits this.
+        scaled = values - 0.5
+        scaled *= 2.0**53 * _FEW
+        keys = cast(scaled, "int64")
+        keys += arange(columns, values)
+        keys = np.sort(keys, axis=-1) if xp is np else xp.sort(keys, dim=-1).values
+        keys &= _FEW - 1
+        return keys
     return np.argsort(values, axis=-1, kind="stable") if xp is np else xp.argsort(values, dim=-1, stable=True)
 
 

@@ -92,8 +92,13 @@ class Streams:
         """Return the streams of the obstacle `key` in these maps."""
         import numpy as np
 
-        digests = b"".join(digest(seed, index, key) for index in indices)
-        entropy = np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
+        seeded, rest = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
+        digests = []
+        for index in indices:  # as `digest`, which begins anew
+            own = seeded.copy()
+            own.update(f"{index}{rest}".encode())
+            digests.append(own.digest())
+        entropy = np.frombuffer(b"".join(digests), "<u4").reshape(-1, _WORDS).astype(np.uint32)
         words = _generated(_pooled(entropy)).astype("<u4").view("<u8").astype(np.int64)
         state_high, state_low, inc_high, inc_low = np.ascontiguousarray(words.T)
         # pcg_setseq_128_srandom: the increment is odd; one step from 0, the initial state added, one more step.

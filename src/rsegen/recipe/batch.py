@@ -8,8 +8,9 @@ numpy's cost per call exceeds that of the cells of a small map, so thousands of 
     layouts that draw, as stones       the numbers of all maps with rectangles of one shape
     pallets, `max_step` of an obstacle swaps of all maps with rectangles of one shape (obstacles/rearranged.py)
     difficulty, a largest step         all maps at once (difficulty.py, constraints/meeting.py)
+    paths of steps within limits       all maps at once, by sweeps (field/sweeps.py)
     all else                           map by map, as by `build`: kinds of others that draw in their `patch`; maps with
-                                       an inventory or that have to be crossed
+                                       an inventory, or that a robot has to cross
 
 The cost that remains for each map and obstacle is a hash, and for each cell of a map one operation of each step.
 """
@@ -29,7 +30,7 @@ from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
-from rsegen.recipe.building import blocks, fixed_ends, flat_ground, impose, placed_by
+from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose, placed_by
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17
@@ -38,7 +39,7 @@ _CELLS_AT_ONCE = 2**17
 _MORE_REARRANGED = 4
 """Times as many cells are made together if blocks are swapped, as few maps are left in most of the sweeps."""
 
-_CELLS_SCALED_AT_ONCE = 2**15
+_CELLS_SCALED_AT_ONCE = 2**16
 """Cells that are scaled to their difficulty together, in several arrays of numbers at a time."""
 
 _FEW_CELLS = 2**12
@@ -92,14 +93,14 @@ def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, sca
 
     cells, scaled_cells: how many are made, and how many are scaled to their difficulty, together.
     """
-    if len(indices) == 1 or (recipe.is_constrained and not _is_of_steps_alone(recipe)):
+    if len(indices) == 1 or (recipe.is_constrained and not _are_met_together(recipe)):
         for own, index in zip(levels, indices, strict=True):
             own[:] = asarray(blocks(recipe, index), own)
         return
     obstacles = [(row, _InManyMaps(recipe, obstacle)) for row, obstacle in recipe.enabled_obstacles]
     of_a_map = recipe.grid.n_x * recipe.grid.n_y
     cells *= _MORE_REARRANGED if any(obstacle.draws_alike for _, obstacle in recipe.enabled_obstacles) else 1
-    # As `building.build` does for one map, in the same order: obstacles, difficulty, ground, step limit.
+    # As `building.build` does for one map, in the same order: obstacles, difficulty, ground, constraints.
     for part, own in _parts(levels, indices, cells // of_a_map):
         for row, obstacle in obstacles:
             with inside(f"obstacles[{row}]"):
@@ -110,16 +111,16 @@ def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, sca
             for few, indices_of_few in _parts(part, own, scaled_cells // of_a_map):
                 few[:] = scaled_to_difficulties(few, recipe, indices_of_few)
         part[:] += recipe.ground_level
-        if recipe.max_step is not None:
-            from rsegen.recipe.constraints.meeting import blocks_step_limited
+        if recipe.is_constrained:
+            from rsegen.recipe.constraints.meeting import blocks_constrained
 
-            part[:] = blocks_step_limited(part, recipe)
+            part[:] = blocks_constrained(part, recipe, field_of(recipe, flat_ground(recipe.grid)))
 
 
-def _is_of_steps_alone(recipe: MapDesign) -> bool:
-    from rsegen.recipe.constraints.meeting import is_of_steps_alone
+def _are_met_together(recipe: MapDesign) -> bool:
+    from rsegen.recipe.constraints.meeting import are_met_together
 
-    return is_of_steps_alone(recipe)
+    return are_met_together(recipe)
 
 
 def _parts(levels: Any, indices: Sequence[int], maps: int) -> Iterator[tuple[Any, Sequence[int]]]:

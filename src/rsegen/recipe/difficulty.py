@@ -25,6 +25,7 @@ import numpy as np
 
 from rsegen.field.graphs import component_labels
 from rsegen.field.stepfield import Levels
+from rsegen.field.sweeps import LARGE, plateaus
 from rsegen.params.arrays import (
     asarray,
     cast,
@@ -49,31 +50,45 @@ def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Level
     if difficulty == 1:
         return levels
     field, measure = levels.astype(float), partial(roughness, parts=parts_of(levels.shape, design))
-    asked = difficulty * measure(field)
-    if not asked:
+    designed = measure(field)
+    if not designed * difficulty:
         return scaled(field, 0.5, difficulty).astype(np.int16)  # type: ignore[no-any-return]  # as the field
     rounding = _rounding(levels[None], generator(design.seed, index, _KEY).random((1, *levels.shape)))[0]
     levels_at_scale: Levels = nearest_field(
-        partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0])
+        partial(scaled, field, rounding), measure, designed, difficulty, int(_halvings(levels[None])[0])
     )
     return levels_at_scale.astype(np.int16)
 
 
 def scaled_to_difficulties(levels: Any, design: MapDesign, indices: Sequence[int]) -> Any:
     """Return the levels of many maps (maps, n_x, n_y), an array or a tensor, each at its difficulty."""
-    fields, measure = maps_last(levels), partial(roughness, parts=parts_of(levels.shape[1:], design))
+    measure = partial(roughness, parts=parts_of(levels.shape[1:], design))
     difficulties = asarray(np.array(design.difficulties_of(indices)), levels)
-    asked = difficulties * measure(fields)
-    result = maps_first(scaled(fields, 0.5, difficulties))
-    steep = places_of((asked > 0) & (difficulties < 1))
+    halvings = _halvings(levels)
+    most = int(halvings.max())
+    kind = "float32" if (float(_top(levels).max()) + 1) * 2.0**most <= _MOST_IN_32_BITS else "float64"
+    fields = maps_last(levels, kind)
+    designed = measure(fields)
+    result, is_steep = levels + 0, designed * difficulties > 0
+    level = places_of(~is_steep & (difficulties < 1))
+    if len(level):
+        result[level] = maps_first(scaled(maps_last(levels[level]), 0.5, difficulties[level]))
+    steep = places_of(is_steep & (difficulties < 1))
     if len(steep):
-        chosen = levels[steep]
-        drawn = (
-            Streams.of(design.seed, indices, _KEY).part(steep.tolist()).on_device_of(levels).arrays(levels.shape[1:])
+        own, chosen = Streams.of(design.seed, indices, _KEY), levels[steep]
+        drawn = own.part(steep.tolist()).on_device_of(levels).arrays(levels.shape[1:])
+        # Of scales of so many binary digits, no other digits of u change a level: then few digits are enough.
+        rounding = namespace(levels).floor(_rounding(chosen, drawn) * 2.0**most) / 2.0**most
+        rounding, fields = maps_last(rounding, kind), fields[:, :, steep]
+        nearest = nearest_field(
+            lambda scale: scaled(fields, rounding, cast(scale, kind)),
+            measure,
+            designed[steep],
+            difficulties[steep],
+            halvings[steep],
         )
-        at = partial(scaled, maps_last(chosen), maps_last(_rounding(chosen, drawn)))
-        result[steep] = maps_first(nearest_field(at, measure, asked[steep], _halvings(chosen)))
-    return namespace(levels).where(difficulties[:, None, None] == 1, levels, result)
+        result[steep] = maps_first(nearest)
+    return result
 
 
 def scaled(field: Any, rounding: Any, scale: Any) -> Any:
@@ -91,6 +106,9 @@ def parts_of(shape: tuple[int, int], design: MapDesign) -> tuple[int, int]:
     return (design.chunk_size, design.chunk_size) if design.boundary == "divided" else shape
 
 
+_MOST_IN_32_BITS = 2**24
+"""Number up to which floats of 32 bits have all whole numbers: so many parts of a unit, and sums of squared steps."""
+
 _MOST_IN_FLOATS = 2**20
 """Cells up to which squared steps, of 2^33 at the most, are summed as floats: these sums are below 2^53, so exact."""
 
@@ -98,34 +116,41 @@ _MOST_IN_FLOATS = 2**20
 def roughness(field: Any, parts: tuple[int, int]) -> Any:
     """Return sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step.
 
-    A number for a field (n_x, n_y); an array for many (n_x, n_y, maps).
+    A number for a field (n_x, n_y); an array for many (n_x, n_y, maps), of floats that hold sums of squared steps.
     """
     n_x, n_y, *maps = field.shape
-    numbers = cast(field, "float64" if maps and n_x * n_y <= _MOST_IN_FLOATS else "int64")
+    numbers = field if maps and n_x * n_y <= _MOST_IN_FLOATS else cast(field, "int64")
     x, y = numbers.reshape(-1, parts[0], n_y, *maps), numbers.reshape(n_x, -1, parts[1], *maps)
     rises = x[:, 1:] - x[:, :-1], y[:, :, 1:] - y[:, :, :-1]
     if not maps:
         return sqrt(sum(int(np.vdot(rise, rise)) for rise in rises))
     xp = namespace(field)
-    return xp.sqrt(cast(sum((rise * rise).sum((0, 1, 2)) for rise in rises), "float64"))
+    return xp.sqrt(cast(sum((rise * rise).reshape(-1, *maps).sum(0) for rise in rises), "float64"))
 
 
-def nearest_field(at: Callable[[Any], Any], measure: Callable[[Any], Any], asked: Any, halvings: Any) -> Any:
-    """Return the field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale; or many fields.
+def nearest_field(
+    at: Callable[[Any], Any], measure: Callable[[Any], Any], designed: Any, share: Any, halvings: Any
+) -> Any:
+    """Return the field `at(scale)` whose measure is nearest to a share of that at scale 1, by bisection.
 
-    asked, halvings: numbers, or (maps,). Larger `asked` never gives a smaller scale, so the fields of rising difficulty
-    are nested.
+    designed: the measure at scale 1; at 0 it is 0. designed, share, halvings: numbers, or (maps,) for many fields. A
+    larger share never gives a smaller scale, so the fields of rising difficulty are nested.
     """
-    low, high = 0 * asked, 0 * asked + 1
+    asked = share * designed
+    low, high = (0 * asked, 0 * asked), (0 * asked + 1, designed)  # scales, and the measures there
     fewest, most = (halvings, halvings) if isinstance(halvings, int) else (int(halvings.min()), int(halvings.max()))
     for halving in range(most):
-        middle = (low + high) / 2
-        is_below = measure(at(middle)) < asked
-        halved = where(is_below, middle, low), where(is_below, high, middle)
-        goes_on = halving < fewest or halving < halvings
-        low, high = (where(goes_on, new, old) for new, old in zip(halved, (low, high), strict=True))
-    lower, upper = at(low), at(high)
-    return where(asked - measure(lower) > measure(upper) - asked, upper, lower)
+        scale = (low[0] + high[0]) / 2
+        middle = scale, measure(at(scale))
+        is_below, goes_on = middle[1] < asked, halving < fewest or halving < halvings
+        halved = *_each(is_below, middle, low), *_each(is_below, high, middle)
+        low_scale, low_measure, high_scale, high_measure = _each(goes_on, halved, (*low, *high))
+        low, high = (low_scale, low_measure), (high_scale, high_measure)
+    return at(where(asked - low[1] > high[1] - asked, high[0], low[0]))
+
+
+def _each(condition: Any, yes: Sequence[Any], no: Sequence[Any]) -> Sequence[Any]:
+    return [where(condition, own, other) for own, other in zip(yes, no, strict=True)]
 
 
 def _rounding(levels: Any, drawn: Any) -> Any:
@@ -139,6 +164,10 @@ def _rounding(levels: Any, drawn: Any) -> Any:
 def _plateaus(levels: Any) -> Any:
     """Return for each cell, all maps in one row, the first cell of its connected component of equal level."""
     maps, n_x, n_y = levels.shape
+    cells = n_x * n_y
+    if namespace(levels) is np and maps > 1 and cells <= LARGE:
+        first = plateaus(maps_last(levels, "int16")).reshape(cells, maps).T
+        return (first + np.arange(0, maps * cells, cells)[:, None]).ravel()
     # Whether the next cell along x, and along y, has the same level; false at the end of an axis.
     on_x, on_y = (namespace(levels).zeros_like(levels) > 0 for _ in range(2))
     on_x[:, :-1], on_y[:, :, :-1] = levels[:, :-1] == levels[:, 1:], levels[:, :, :-1] == levels[:, :, 1:]

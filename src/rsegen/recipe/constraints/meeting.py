@@ -22,16 +22,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, prod
 from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import NO_CAP, CrossingModel
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.limits import StepLimits
+from rsegen.field.stepfield import Array, Ints, Levels, Mask, StepField
+from rsegen.field.sweeps import LARGE, lowered_to_cross
 from rsegen.obstacles.random import Random
-from rsegen.params.arrays import maps_first, maps_last, namespace
+from rsegen.params.arrays import as_numpy, asarray, maps_first, maps_last, namespace
 from rsegen.params.streams import Streams, generator
 from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.inventory import (
@@ -57,16 +59,42 @@ def step_limited(field: StepField, limit: int) -> Ints:
     return np.asarray(np.where(field.frame, 0, (low + high) // 2))
 
 
-def is_of_steps_alone(design: MapDesign) -> bool:
-    """Return whether a largest step is the only constraint, and no obstacle counts its blocks."""
-    return design.crossable_by is None and design.inventory is None and not _counts_blocks(design)
+def are_met_together(design: MapDesign) -> bool:
+    """Return whether the constraints of many maps are met by the same calls: of steps and paths, on maps not large."""
+    if design.inventory is not None or (design.max_step is not None and _counts_blocks(design)):
+        return False
+    is_small = prod(design.cells) <= LARGE
+    return design.crossable_by is None or (isinstance(design.crosser, StepLimits) and is_small)
 
 
-def blocks_step_limited(levels: Any, design: MapDesign) -> Any:
-    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `step_limited` by their design.
+def blocks_constrained(levels: Levels, design: MapDesign, like: StepField) -> Levels:
+    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `constrained` by their design.
 
-    No other constraint would change them: half-way between two fields within the limit every step is within it.
+    like: any field of the design.
     """
+    if design.max_step is not None:
+        levels = _blocks_step_limited(levels, design)
+    if not isinstance(design.crosser, StepLimits):
+        return levels
+    inside, blocks = np.ix_(like.inside(0), like.inside(1)), maps_last(as_numpy(levels), "int16")
+    fields = np.zeros((*like.shape, len(levels)), dtype=np.int16)
+    fields[inside] = blocks
+    left = np.arange(len(levels))  # maps of which it is not known whether they are crossed along both axes
+    while len(left):
+        own, again = fields[:, :, left], np.zeros(len(left), dtype=bool)
+        for axis in (0, 1):
+            part = np.flatnonzero(~again)
+            lowered, again[part] = lowered_to_cross(own[:, :, part], like, design.crosser, axis)
+            if design.max_step is not None:
+                lowered = np.where(like.frame[:, :, None], 0, envelope(lowered, like, design.max_step))
+            own[:, :, part] = lowered
+        fields[:, :, left] = own
+        left = left[again]
+    return asarray(maps_first(fields[inside]), levels)  # type: ignore[no-any-return]  # as the levels
+
+
+def _blocks_step_limited(levels: Any, design: MapDesign) -> Any:
+    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `step_limited` by their design."""
     (n_x, n_y), limit = parts_of(levels.shape[1:], design), design.max_step or 1
     parts = levels.reshape(-1, levels.shape[1] // n_x, n_x, levels.shape[2] // n_y, n_y).swapaxes(2, 3)
     fields = maps_last(parts.reshape(-1, n_x, n_y), "int32")  # what lies between frames, each its own field
@@ -75,8 +103,9 @@ def blocks_step_limited(levels: Any, design: MapDesign) -> Any:
 
 
 def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """Return the highest levels (n_x, n_y) that meet the limit and are not above `levels`; NO_CAP in frames."""
-    highest = np.where(field.frame, NO_CAP, levels.astype(np.int64))
+    """Return the highest levels (n_x, n_y, ...) that meet the limit and are not above `levels`; NO_CAP in frames."""
+    frame = field.frame.reshape(*field.shape, *[1] * (levels.ndim - 2))
+    highest = np.where(frame, NO_CAP, levels.astype(np.int64))
     return _lowered_to_limit(highest, limit, field.frame)  # type: ignore[no-any-return]  # an array as the levels
 
 
