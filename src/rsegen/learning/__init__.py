@@ -10,6 +10,7 @@
     seating      seat: any MuJoCo model put on the ground, or dropped until it rests
     mujoco_warp  BlocksOfWorlds: one map per world
     newton       add_map to a ModelBuilder; BlockGrid
+    genesis      terrain_morph, a height-field morph
     sapien       add_map to an ActorBuilder of SAPIEN, and so of ManiSkill
     gymnasium    NewFieldAtReset, a wrapper around an environment
     torch        build_many, the blocks of many maps in a tensor on any device

@@ -57,9 +57,7 @@ class Tile:
 
         An edge has the height of the higher block, so the outermost samples are on the sides of the tile.
         """
-        small = np.pad(np.repeat(np.repeat(self.raised.heights, per_block, axis=0), per_block, axis=1), 1, mode="edge")
-        along_x = np.maximum(small[:-1], small[1:])
-        return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]) + self._corner[2])
+        return np.asarray(corner_heights(self.raised.heights, per_block) + self._corner[2])
 
     def origin_above(self, radius: float) -> Array:
         """Return the origin, as high as the highest block that is up to `radius` metres from it along x and y."""
@@ -112,6 +110,16 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         size=(n_x * width, n_y * width),
         origin=np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, above * unit]),
     )
+
+
+def corner_heights(heights: Array, per_block: int) -> Array:
+    """Heights at the corners of small squares of blocks (n_x, n_y), `per_block` along each side of a block.
+
+    (n_x * per_block + 1, n_y * per_block + 1): an edge has the height of the higher block.
+    """
+    small = np.pad(np.repeat(np.repeat(heights, per_block, axis=0), per_block, axis=1), 1, mode="edge")
+    along_x = np.maximum(small[:-1], small[1:])
+    return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]))
 
 
 def check_recipe(recipe: object) -> None:

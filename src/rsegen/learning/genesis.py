@@ -1,0 +1,35 @@
+"""Genesis: a map or a terrain as its height-field morph (1.4).
+
+from rsegen.learning.genesis import terrain_morph
+
+scene.add_entity(terrain_morph(course.field), material=gs.materials.Rigid(friction=course.recipe.friction))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import genesis as gs
+import numpy as np
+
+from rsegen.field.stepfield import StepField
+from rsegen.learning.tile import corner_heights
+from rsegen.params.sorts import Integer
+
+_SAMPLES = Integer(1, 20)
+
+
+def terrain_morph(field: StepField, pos: Sequence[float] = (0, 0, 0), samples: int = 4) -> Any:
+    """Return a morph of a field, its middle at `pos` in metres.
+
+    samples: of heights along each side of a block. A height field has slopes in place of vertical sides: that of a
+    higher block begins at its edge, and ends on the lower one, a sample farther on.
+    """
+    samples, middle = _SAMPLES.check("samples", samples), np.array(pos, dtype=float)
+    return gs.morphs.Terrain(
+        pos=tuple((middle - [*np.array(field.extent) / 2, 0.0]).tolist()),
+        horizontal_scale=field.block_width / samples,
+        vertical_scale=1.0,
+        height_field=corner_heights(field.heights, samples),
+    )
