@@ -112,7 +112,7 @@ def test_resume_makes_missing_outputs(packages: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_format_exports_and_an_importer_reads_it_back(packages: Path, worlds: Path, tmp_path: Path) -> None:
     done("export", worlds, "--map", "0", "--to", "ascii digits=2", "-o", tmp_path / "out", packages=packages)
-    grid = tmp_path / "out" / "rse_0000" / "ascii" / "rse_0000.asc"
+    grid = tmp_path / "out" / "rse_0000" / "ascii" / "rse_0000.heights"
     assert grid.read_text("utf-8").splitlines()[3] == "0.00 0.00 0.10 0.10 0.20 0.20 0.30 0.30 0.40 0.00"
     done("import", grid, "--head", "3", "-o", tmp_path / "back", packages=packages)
     levels = (tmp_path / "back" / "rse_0000_0000" / "levels.csv").read_text("utf-8").splitlines()

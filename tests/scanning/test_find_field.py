@@ -335,9 +335,9 @@ def points_of(**values: Any) -> Array:
 
 
 BAD: Mapping[str, tuple[Any, ScanSettings, str]] = {
-    "few points": (lambda: np.zeros((20, 3)), ScanSettings(), "20 points are too few"),
+    "few points": (lambda: np.zeros((20, 3)), ScanSettings(), "too few points for a field: 20"),
     "another shape": (lambda: np.zeros((900, 2)), ScanSettings(), r"shape \(900, 2\)"),
-    "no numbers": (lambda: np.full((900, 3), np.nan), ScanSettings(), "0 points are too few"),
+    "no numbers": (lambda: np.full((900, 3), np.nan), ScanSettings(), "too few points for a field: 0;"),
     "millimetres": (lambda: 1000 * points_of(), ScanSettings(), "set the unit of its numbers"),
     "no plane": (lambda: np.random.default_rng(1).random((5000, 3)), ScanSettings(), "no ground plane"),
     "a floor alone": (

@@ -24,4 +24,4 @@ class Ascii(Format):
         heights = scene.field.heights
         head = f"ncols {heights.shape[0]}\nnrows {heights.shape[1]}\ncellsize {scene.field.block_width:g}\n"
         rows = (" ".join(f"{height:.{self.digits}f}" for height in row) + "\n" for row in heights.T[::-1])
-        return {f"{scene.name}.asc": [head.encode(), "".join(rows).encode()]}
+        return {f"{scene.name}.heights": [head.encode(), "".join(rows).encode()]}

@@ -18,7 +18,7 @@ class Asc(Importer):
     """Heights from an ASCII grid (ASC) in metres."""
 
     name: ClassVar[str] = "ASCII grid"
-    suffixes: ClassVar[tuple[str, ...]] = (".asc",)
+    suffixes: ClassVar[tuple[str, ...]] = (".heights",)
 
     head: Annotated[int, Integer(0, 20, help="lines before the heights")] = 3
 
