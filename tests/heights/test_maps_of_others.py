@@ -172,3 +172,10 @@ def test_an_image_of_a_map_that_lies_beside_it_is_named(tmp_path: Path) -> None:
     path.write_text("image: /home/someone/maps/hall.pgm\nresolution: 0.05\n", "utf-8")
     with pytest.raises(FileError, match=r"image: /home/.* does not exist; set it to hall.pgm, which is in this folder"):
         heights_in(path, OccupancyImage())
+
+
+def test_an_ending_of_gdal_is_read_by_a_plug_in_that_knows_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(FileError, match=r"ground\.dem: write it as GeoTIFF"):
+        importer_for(Path("ground.dem"))
+    monkeypatch.setattr("rsegen.heights.base.IMPORTERS", {".dem": Table})
+    assert importer_for(Path("ground.dem")) is Table

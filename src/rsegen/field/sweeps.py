@@ -19,7 +19,7 @@ import numpy as np
 
 from rsegen.field.crossing import NO_CAP
 from rsegen.field.stepfield import Ints, Mask, StepField
-from rsegen.field.traversability import cells_to_each_side, widened
+from rsegen.field.traversability import cells_to_each_side, highest_levels, widened
 from rsegen.params.sorts import NANOMETRE_DIGITS, NANOMETRES
 
 if TYPE_CHECKING:
@@ -102,7 +102,8 @@ def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: in
     type(limits).of(int(needed.max()) * ground.unit / NANOMETRES, limits.width)  # that steps are within bounds
     path = _cheapest_path(ground, needed[blocked], round(like.block_width * NANOMETRES))
     caps: Any = np.full(ground.heights.shape, NO_CAP, dtype=np.int32)
-    caps.ravel()[path] = _tops(ground.heights.ravel().take(path) * np.int64(ground.unit), like, limits)
+    along = ground.heights.ravel().take(path) * np.int64(ground.unit)  # from the end, and levels from the start
+    caps.ravel()[path] = highest_levels(along[::-1], like, limits)[::-1]
     caps = -widened(-caps, ground.margin - 1, -NO_CAP)[ground.margin : -ground.margin]
     lowered = levels.copy()
     lowered[:, :, blocked] = np.minimum(levels[:, :, blocked], caps if axis == 0 else caps.swapaxes(0, 1))
@@ -170,21 +171,6 @@ def _before(costs: Any, ahead: Any, aside: Any, tread: int) -> Any:
         leads = costs[of] + move == costs[at]
         np.minimum(first[at], np.where(leads, passes[of] * 4 + side, far), out=first[at])
     return first & 3
-
-
-def _tops(heights: Any, like: StepField, limits: StepLimits) -> Ints:
-    """Return the highest level at each cell of paths (length, maps), from their ends, from which a robot can go on.
-
-    heights: of the ground, nanometres.
-    """
-    # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
-    tops, unit = heights, round(like.unit * NANOMETRES)
-    climb, drop = (0 if limit < unit else limit for limit in limits.limits)  # less than a block is no step at all
-    for k in range(len(tops) - 2, -1, -1):
-        tops[k] = np.minimum(tops[k], tops[k + 1] + climb)
-    for k in range(1, len(tops)):
-        tops[k] = np.minimum(tops[k], tops[k - 1] + drop)
-    return np.asarray(tops // unit)
 
 
 def plateaus(levels: Ints) -> Ints:

@@ -316,14 +316,18 @@ def path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
 
 def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
     """Return the highest level below the robot at each cell of its path from which it can go on."""
-    # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
     margin = cells_to_each_side(field, limits.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
-    tops = lane(field, limits.width, axis).heights[along[:, 0], along[:, 1]]
-    unit = round(field.unit * NANOMETRES)
+    return highest_levels(lane(field, limits.width, axis).heights[along[:, 0], along[:, 1]], field, limits)
+
+
+def highest_levels(heights: Heights, field: StepField, limits: StepLimits) -> Ints:
+    """Return the highest levels of the ground [nm] along paths (length, ...) from which a robot can go on."""
+    # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
+    tops, unit = heights.copy(), round(field.unit * NANOMETRES)
     climb, drop = (0 if limit < unit else limit for limit in limits.limits)  # less than a block is no step at all
     for k in range(1, len(tops)):
-        tops[k] = min(tops[k], tops[k - 1] + climb)
+        tops[k] = np.minimum(tops[k], tops[k - 1] + climb)
     for k in range(len(tops) - 2, -1, -1):
-        tops[k] = min(tops[k], tops[k + 1] + drop)
+        tops[k] = np.minimum(tops[k], tops[k + 1] + drop)
     return np.asarray(tops // unit)

@@ -326,9 +326,9 @@ _OF_GDAL = (".dem", ".hgt", ".nc", ".img", ".vrt", ".adf", ".bil", ".flt", ".grd
 def importer_for(path: Path) -> type[Importer]:
     """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
     importer = IMPORTERS.get(path.suffix.lower())
-    if path.suffix.lower() in _OF_GDAL:
-        raise FileError(f"{path}: write it as GeoTIFF with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`")
     if not importer:
+        if path.suffix.lower() in _OF_GDAL:
+            raise FileError(f"{path}: write it as GeoTIFF with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`")
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     return importer
 

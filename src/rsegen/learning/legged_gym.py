@@ -13,23 +13,19 @@ columns, scales, the border and friction are those of the terrain: they are writ
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import ceil, floor
 from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.field.stepfield import Array, Ints, Levels
+from rsegen.field.stepfield import Ints, Levels
 from rsegen.geometry.mesh_kinds import MESHES, mesh
 from rsegen.learning.ground import unframed
 from rsegen.learning.terrain import Terrain
+from rsegen.learning.tile import highest_near
 from rsegen.params.sorts import Float, Integer
 
 _SAMPLES, _RADIUS = Integer(1, 20), Float(0, 100)
-
-_SAME = 1e-6
-"""Share of a block by which two places count as the same."""
 
 
 class StepFieldTerrain:
@@ -73,9 +69,10 @@ class StepFieldTerrain:
         raised = mesh(unframed(field.levels + np.int16(1), width, field.unit), surface)
         self.vertices = (raised.vertices + half - [0, 0, field.unit]).astype(np.float32)
         self.triangles: Ints = raised.triangles.astype(np.uint32)
-        self.env_origins = np.array(terrain.origins)
-        self.env_origins[..., 2] = np.reshape([*_heights_around(terrain, radius)], self.env_origins.shape[:2])
-        self.env_origins += half - [cfg.border_size, cfg.border_size, 0]
+        self.env_origins = terrain.origins + half
+        for origin in self.env_origins.reshape(-1, 3):
+            origin[2] = max(origin[2], highest_near(field, origin[:2], radius))
+        self.env_origins -= [cfg.border_size, cfg.border_size, 0]
 
     def _write(self, terrain: Terrain, scale: float) -> None:
         """Write into the task's configuration what the terrain decides."""
@@ -87,13 +84,3 @@ class StepFieldTerrain:
         cfg.horizontal_scale, cfg.vertical_scale = scale, terrain.field.unit
         cfg.border_size = terrain.border * terrain.field.block_width
         cfg.static_friction = cfg.dynamic_friction = terrain.recipe.friction
-
-
-def _heights_around(terrain: Terrain, radius: float) -> Iterator[float]:
-    """Yield the height of each tile's origin: above all blocks up to so many metres along x and y from its middle."""
-    width, half = terrain.field.block_width, np.array(terrain.field.extent) / 2
-    heights: Array = terrain.field.heights
-    for origin in terrain.origins.reshape(-1, 3):
-        low, high = ((origin[:2] + half + side) / width for side in (-radius, radius))
-        near = (slice(max(floor(first), 0), ceil(last)) for first, last in zip(low + _SAME, high - _SAME, strict=True))
-        yield float(heights[tuple(near)].max(initial=origin[2]))

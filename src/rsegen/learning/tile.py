@@ -61,10 +61,7 @@ class Tile:
 
     def origin_above(self, radius: float) -> Array:
         """Return the origin, as high as the highest block that is up to `radius` metres from it along x and y."""
-        low, high = ((self.origin[:2] + side) / self.raised.block_width for side in (-radius, radius))
-        ends = zip(low + _SAME, high - _SAME, strict=True)
-        x, y = (slice(max(floor(first), 0), ceil(last)) for first, last in ends)
-        highest = float(self.raised.heights[x, y].max(initial=-np.inf)) + self._corner[2]
+        highest = highest_near(self.raised, self.origin[:2], radius) + self._corner[2]
         return np.array([*self.origin[:2], max(highest, self.origin[2])])
 
     def level_squares(self, side: float, most: float) -> Array:
@@ -120,6 +117,17 @@ def corner_heights(heights: Array, per_block: int) -> Array:
     small = np.pad(np.repeat(np.repeat(heights, per_block, axis=0), per_block, axis=1), 1, mode="edge")
     along_x = np.maximum(small[:-1], small[1:])
     return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]))
+
+
+def highest_near(field: StepField, place: Array, radius: float) -> float:
+    """Height, metres, of the highest block up to `radius` metres along x and y from a place, metres from the corner.
+
+    Less than any height if there is none, as with a radius of 0 at the edge of two blocks.
+    """
+    low, high = ((place + side) / field.block_width for side in (-radius, radius))
+    ends = zip(low + _SAME, high - _SAME, strict=True)
+    x, y = (slice(max(floor(first), 0), ceil(last)) for first, last in ends)
+    return float(field.heights[x, y].max(initial=-np.inf))
 
 
 def check_recipe(recipe: object) -> None:
