@@ -1,4 +1,4 @@
-"""Contacts are turned and let slide in Python's numbers as numpy does it for all at once, bit by bit."""
+"""Contacts are turned and slide in Python's numbers, the map apart, as numpy and MuJoCo do it for all, bit by bit."""
 
 from __future__ import annotations
 
@@ -29,11 +29,15 @@ class InNumpy(mujoco_world._Shapes):
                 geom = model.geom(shape.name).id
                 self._axis[geom], self._mu[:, geom] = shape.axis, (shape.mu_axis, shape.mu_other)
         self._body = np.asarray(model.geom_bodyid)
+        self._steps, self._counts = 0, np.zeros(len(self.parts) + 1, dtype=int)
 
     def count(self, contact: Any) -> None:
-        self.steps += 1
-        for part in np.unique(np.array(self._part)[contact.geom]):
-            self.counts[part] += 1
+        self._steps += 1
+        self._counts[np.unique(np.array(self._part)[contact.geom])] += 1
+
+    def shares(self, robot: str) -> dict[str, float]:
+        own = {part: self._counts[index] for (owner, part), index in self.parts.items() if owner == robot}
+        return {part: round(float(count / self._steps), 3) for part, count in own.items() if count}
 
     def turn(self, data: Any) -> None:
         contact = data.contact
@@ -66,15 +70,30 @@ def slide_in_numpy(model: Any, data: Any, contact: Any) -> None:
         reference[at] -= np.hypot(mu[:, 0] * left[at + 1], mu[:, 1] * left[at + 2])
 
 
+def first_half_with_the_map(model: Any, data: Any, shapes: Any) -> None:
+    """Do the first half of a step as MuJoCo does it, which computes again where the boxes of the map are."""
+    if not shapes.turned:
+        mujoco.mj_step1(model, data)
+        return
+    for part in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_makeM, mujoco.mj_factorM, mujoco.mj_collision):
+        part(model, data)
+    shapes.turn(data)
+    for part in (mujoco.mj_makeConstraint, mujoco.mj_island, mujoco.mj_transmission, mujoco.mj_projectConstraint):
+        part(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+
+
 @pytest.mark.parametrize("kind", ["crawler", "jackal"])
 def test_a_drive_has_the_bits_that_numpy_gives_it(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     given = {"boundary": "none", "unit_cm": 3, "seed": 5, "obstacles": [{"kind": "random", "levels": 4}]}
     scene = compose(decode({"name": "field", **given}), 0)
     runs = robot_runs(scene.field, ROBOTS[kind], "straight", count=1, seed=1)
     states = []
-    for shapes, sliding in ((mujoco_world._Shapes, slide), (InNumpy, slide_in_numpy)):
+    own = mujoco_world._Shapes, slide, mujoco_world._make_constraints
+    for shapes, sliding, first_half in (own, (InNumpy, slide_in_numpy, first_half_with_the_map)):
         monkeypatch.setattr(mujoco_world, "_Shapes", shapes)
         monkeypatch.setattr(mujoco_world, "slide", sliding)
+        monkeypatch.setattr(mujoco_world, "_make_constraints", first_half)
         world = mujoco_world.MujocoWorld(scene, runs)
         drive_in_steps(world, runs, 3.0, world.step_seconds)
         states.append((world.data.qpos.tobytes(), world.data.qvel.tobytes(), world.shares()))

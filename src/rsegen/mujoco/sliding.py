@@ -26,7 +26,7 @@ def slide(model: Any, data: Any, contact: Any) -> None:
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref
-    left = (change - reference).tolist()
-    for at, (mu, mu2, *_) in zip(contact.efc_address.tolist(), contact.friction.tolist(), strict=True):
+    before, left = reference.tolist(), (change - reference).tolist()
+    for at, (mu, mu2) in zip(contact.efc_address.tolist(), contact.friction[:, :2].tolist(), strict=True):
         if at >= 0:  # none for one that is near, and does not touch
-            reference[at] -= abs(complex(mu * left[at + 1], mu2 * left[at + 2]))
+            reference[at] = before[at] - abs(complex(mu * left[at + 1], mu2 * left[at + 2]))

@@ -53,7 +53,7 @@ class WheelMotors:
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
         self.senses = np.array([wheel.sense for *_, wheel in wheels])
         self._has_changed = False
-        self._turning: list[tuple[int, float]] = []  # rows of the wheels that turn, and their speeds
+        self._added: list[tuple[int, float]] | None = []  # rows of the wheels, and what their speeds add to references
         # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
         nets = np.array([_STRONG if wheel.torque is None else wheel.torque - wheel.friction for *_, wheel in wheels])
         self._torques, self.turns = np.maximum(np.abs(nets), 1e-9), nets > 0
@@ -83,7 +83,7 @@ class WheelMotors:
             self._now += np.clip(self._wanted - self._now, -self.most, self.most)
             self._has_changed = not np.array_equal(self._now, self._wanted)
             if self.react:
-                self._turning = list(zip(self._rows.tolist(), (self._now * self.turns).tolist(), strict=True))
+                self._added = None
                 forces = np.where(self.turns, _AT_LIMIT * self._torques, -1.0)
                 columns = self._rows, self.dofs, forces, _SLOW * np.abs(self._now)
                 self._limits = list(zip(*(column.tolist() for column in columns), strict=True))
@@ -94,10 +94,14 @@ class WheelMotors:
         """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
         if not self.react:
             return
+        first = data.ne
+        if self._added is None:
+            gains = data.efc_KBIP[first + self._rows, 1]  # the same in all steps
+            self._added = list(zip(self._rows.tolist(), (gains * (self._now * self.turns)).tolist(), strict=True))
         # A robot has two or four wheels: one by one they take a quarter of the time of numpy's arrays.
-        references, gains, first = data.efc_aref, data.efc_KBIP, data.ne
-        for row, speed in self._turning:
-            references[first + row] += gains[first + row, 1] * speed
+        references = data.efc_aref
+        for row, added in self._added:
+            references[first + row] += added
 
     def after_step(self, data: Any) -> None:
         """Count the steps in which motors are at their limit, and wheels slow."""
