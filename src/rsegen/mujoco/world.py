@@ -8,8 +8,8 @@ its pull on the ground is all that its motor does. Friction along a belt and acr
 know only directions of the world; so between finding contacts and solving for forces, those of a belt are turned.
 
 Cost: 40 to 50 microseconds a step and robot, of which a third turns contacts of belts; with 50,000 boxes of a map three
-times as much. The same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends round more
-than its ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an error.
+times as much. The same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends
+round more than its ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an error.
 """
 
 from __future__ import annotations
