@@ -357,6 +357,9 @@ class _Reader:
         ):
             if value:
                 put(made, f"axis/dynamics/{name}", numbers_text([value]))
+        if made.find("axis/dynamics") is not None:
+            # MuJoCo damps at the end of a step, and Gazebo Classic at its beginning, which throws light links about.
+            put(made, "physics/ode/implicit_spring_damper", "true")
 
     def _wheels_with_motors(self) -> dict[str, float | None]:
         """Return the joints of wheels that have a motor, with the speeds that these reach, rad/s."""

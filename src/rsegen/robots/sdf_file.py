@@ -25,6 +25,7 @@ from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
+from rsegen.robots.classic_shapes import use_shapes_of_classic
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels, pose_publisher
 from rsegen.robots.holding import hold, turn_to_the_left
@@ -162,6 +163,8 @@ class SdfRobot(RobotOnField):
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
         self._refuse_inline_meshes(model)
+        if simulator == "classic":
+            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         _make_drivable(model, self, name, simulator)
         return _outer(model)
@@ -183,6 +186,8 @@ class SdfRobot(RobotOnField):
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         self._refuse_inline_meshes(model)
+        if simulator == "classic":
+            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
             hold(model, None, follows=False)
@@ -460,9 +465,11 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
     If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
     plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
-    if backend == "classic" and model.find("allow_auto_disable") is None:
-        SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
+    if backend == "classic":
+        if model.find("allow_auto_disable") is None:
+            SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
+        _free_wheels(model, drive)
     own = read.plugin if read else ""
     held = _hold_and_turn(model, robot, follows=False)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
@@ -486,6 +493,16 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
         "left out for the drive, as their meshes are not found": ", ".join(visuals),
         "left out for the drive, as sensors move nothing": ", ".join(sensors),
     }
+
+
+def _free_wheels(model: Element, drive: Drive | None) -> None:
+    """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
+    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
+    for joint in model.findall("joint"):
+        if joint.get("name") in wheels and joint.find("physics/ode/implicit_spring_damper") is not None:
+            for dynamics in joint.findall("axis/dynamics"):
+                for damping in dynamics.findall("damping"):
+                    dynamics.remove(damping)
 
 
 _HELD = "held as its model has them, as nothing drives them"

@@ -108,7 +108,7 @@ class ModelFrames:
         if pose is None:
             return np.eye(4)
         name = f" {shown(element.get('name'))}" if element.get("name") else ""
-        return _matrix(pose, f"{self.where}: the <pose> of {element.tag}{name}")
+        return matrix_of(pose, f"{self.where}: the <pose> of {element.tag}{name}")
 
     def shape(self, link: str, shape: Element) -> Array:
         """Return the pose of a collision or visual of a link in the model's frame, (4, 4)."""
@@ -154,7 +154,8 @@ def _in_scope(scope: str, name: str) -> str:
     return f"{scope}::{name}" if scope else name
 
 
-def _matrix(pose: Element, where: str) -> Array:
+def matrix_of(pose: Element, where: str) -> Array:
+    """Return the transform, (4, 4), of a <pose> in the frame that it is in; FileError if it has none."""
     if pose.get("rotation_format") == "quat_xyzw":
         *place, x, y, z, w = floats(pose.text, 7, where)
         turn = _of_quaternion(x, y, z, w, where)

@@ -1,0 +1,68 @@
+"""Shapes that Gazebo Classic lacks, in those that it has: it does not open a world with another one.
+
+A capsule is a cylinder with a ball at each end. An ellipsoid with one radius is a ball; others, and cones, it does not
+have: where they are only seen they are left out, and where they touch the robot is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from copy import deepcopy
+from xml.etree.ElementTree import Element
+
+from rsegen.errors import FileError, shown
+from rsegen.robots.links import pose_matrix, rotation
+from rsegen.robots.sdf_elements import numbers_text, pose_text, put
+from rsegen.robots.sdf_shapes import floats, matrix_of
+
+
+def use_shapes_of_classic(model: Element, where: str) -> None:
+    """Put shapes that Gazebo Classic has in the place of those that it lacks; FileError for one that touches."""
+    for link in model.iter("link"):
+        for shape in [*link.findall("collision"), *link.findall("visual")]:
+            kind = next(iter(shape.iterfind("geometry/*")), None)
+            if kind is None or kind.tag not in ("capsule", "ellipsoid", "cone"):
+                continue
+            place = list(link).index(shape)
+            link.remove(shape)
+            for part in reversed(list(_parts(shape, kind, where))):
+                link.insert(place, part)
+
+
+def _parts(shape: Element, kind: Element, where: str) -> Iterator[Element]:
+    """Yield the shapes that are one that Gazebo Classic lacks together."""
+    if kind.tag == "capsule":
+        (radius,) = floats(kind.findtext("radius"), 1, where)
+        (length,) = floats(kind.findtext("length"), 1, where)
+        if length:
+            yield _shape(shape, where, "", 0, "cylinder", radius=radius, length=length)
+            yield _shape(shape, where, "_top", length / 2, "sphere", radius=radius)
+        yield _shape(shape, where, "_bottom", -length / 2, "sphere", radius=radius)
+        return
+    radii = floats(kind.findtext("radii"), 3, where) if kind.tag == "ellipsoid" else []
+    if radii and len(set(radii)) == 1:
+        yield _shape(shape, where, "", 0, "sphere", radius=radii[0])
+    elif shape.tag == "collision":
+        name = shown(shape.get("name", ""))
+        raise FileError(
+            f"{where}: its collision shape {name} is of the type {kind.tag}, which Gazebo Classic does not have; drive"
+            " it in MuJoCo or in Gazebo Sim"
+        )
+
+
+def _shape(shape: Element, where: str, suffix: str, up: float, kind: str, **sizes: float) -> Element:
+    """Return a copy of a shape of this kind and sizes, with a suffix to its name, this far up its axis."""
+    made = deepcopy(shape)
+    made.set("name", made.get("name", "") + suffix)
+    pose = made.find("pose")
+    if pose is None:
+        pose = Element("pose")
+        made.insert(0, pose)
+    pose.text = pose_text(matrix_of(pose, where) @ pose_matrix((0, 0, up), rotation(0, 0, 0)))
+    for attribute in ("degrees", "rotation_format"):
+        pose.attrib.pop(attribute, None)
+    for geometry in made.findall("geometry"):
+        geometry.clear()
+    for name, size in sizes.items():
+        put(made, f"geometry/{kind}/{name}", numbers_text([size]))
+    return made

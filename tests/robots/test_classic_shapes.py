@@ -1,0 +1,88 @@
+"""Robots whose shapes Gazebo Classic lacks: in the shapes that it has, the same in space, or refused in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring
+
+import numpy as np
+import pytest
+
+from rsegen.errors import FileError
+from rsegen.robots.sdf_file import from_file
+from tests.robots.mjcf_robots import two_wheels_mjcf
+from tests.robots.two_wheels import two_wheels
+
+FOOT = """\
+<{tag} name="foot"><pose{degrees}>0.1 0 0.05 0 {quarter} 0</pose>
+  <geometry><{kind}>{sizes}</{kind}></geometry>
+</{tag}>
+"""
+
+
+def robot_with(folder: Path, kind: str, sizes: str, tag: str = "collision", *, degrees: bool = False) -> Path:
+    """Write a robot with a shape more, on its side, and return its file."""
+    turned = (' degrees="true"', "90") if degrees else ("", str(np.pi / 2))
+    foot = FOOT.format(tag=tag, kind=kind, sizes=sizes, degrees=turned[0], quarter=turned[1])
+    file = folder / "mine.sdf"
+    text = two_wheels()
+    assert text.count("</link>") > 1
+    file.write_text(text.replace("</link>", f"{foot}</link>", 1))
+    return file
+
+
+def shapes(text: str, tag: str = "collision") -> dict[str, Element]:
+    return {
+        shape.get("name", ""): shape for shape in fromstring(text).iter(tag) if shape.get("name", "").startswith("foot")
+    }
+
+
+@pytest.mark.parametrize("degrees", [False, True])
+@pytest.mark.parametrize("tag", ["collision", "visual"])
+def test_a_capsule_is_a_cylinder_with_a_ball_at_each_end(tmp_path: Path, tag: str, degrees: bool) -> None:
+    sizes = "<radius>0.02</radius><length>0.06</length>"
+    robot = from_file(robot_with(tmp_path, "capsule", sizes, tag, degrees=degrees))
+    text = robot.model("mine", "classic")
+    found = shapes(text, tag)
+    assert {name: next(shape.iterfind("geometry/*")).tag for name, shape in found.items()} == {
+        "foot": "cylinder",
+        "foot_top": "sphere",
+        "foot_bottom": "sphere",
+    }
+    for name, x in (("foot", 0.1), ("foot_top", 0.13), ("foot_bottom", 0.07)):
+        values = [float(value) for value in (found[name].findtext("pose") or "").split()]
+        assert values == pytest.approx([x, 0, 0.05, 0, np.pi / 2, 0])
+        assert [pose.attrib for pose in found[name].iterfind("pose")] == [{}]
+    assert shapes(robot.model("mine", "sim"), tag)["foot"].find("geometry/capsule") is not None
+    assert "capsule" not in robot.file("mine", "classic")
+
+
+def test_an_even_ellipsoid_is_a_ball_and_another_one_is_refused_where_it_touches(tmp_path: Path) -> None:
+    even = from_file(robot_with(tmp_path, "ellipsoid", "<radii>0.02 0.02 0.02</radii>"))
+    assert shapes(even.model("mine"))["foot"].findtext("geometry/sphere/radius") == "0.02"
+    flat = from_file(robot_with(tmp_path, "ellipsoid", "<radii>0.02 0.02 0.01</radii>"))
+    with pytest.raises(
+        FileError, match="collision shape 'foot' is of the type ellipsoid, which Gazebo Classic does not"
+    ):
+        flat.model("mine", "classic")
+    assert "ellipsoid" in flat.model("mine", "sim")
+    assert (
+        shapes(
+            from_file(robot_with(tmp_path, "cone", "<radius>0.1</radius><length>1</length>", "visual")).model("m"),
+            "visual",
+        )
+        == {}
+    )
+
+
+def test_the_damping_that_a_motor_of_mujoco_overcomes_does_not_brake_the_wheels_of_classic(tmp_path: Path) -> None:
+    robot = from_file(two_wheels_mjcf(tmp_path))
+
+    def dampings(text: str) -> list[str | None]:
+        hubs = [joint for joint in fromstring(text).iter("joint") if "hub" in joint.get("name", "")]
+        assert len(hubs) == 2
+        assert all(hub.findtext("physics/ode/implicit_spring_damper") == "true" for hub in hubs)
+        return [hub.findtext("axis/dynamics/damping") for hub in hubs]
+
+    assert dampings(robot.model("rover", "classic")) == [None, None]
+    assert dampings(robot.model("rover", "sim")) == ["0.01", "0.01"]
