@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -23,6 +24,9 @@ SHAPE: dict[str, Any] = {"seed": 7, "boundary": "none"}
 
 @pytest.fixture(scope="module", autouse=True)
 def started() -> Iterator[None]:
+    pytest.importorskip("genesis", reason="Genesis is not installed: with PyTorch it is a download of gigabytes")
+    # Optimizers of PyTorch import Triton, whose LLVM crashes if it is loaded after Genesis has compiled by its own.
+    importlib.import_module("torch._dynamo")
     gs.init(backend=gs.cpu, logging_level="warning")
     yield
     gs.destroy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ _FACES["corners"] = _CORNERS[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]]
 TETRAHEDRON = bytes(80) + np.uint32(4).tobytes() + _FACES.tobytes()
 """An STL file."""
 
-PLANE = """<mujoco><asset/><worldbody><geom name="floor" type="plane" size="0 0 1"/></worldbody></mujoco>"""
+PLANE = """<mujoco><worldbody><geom name="floor" type="plane" size="0 0 1"/></worldbody></mujoco>"""
 
 
 def from_above(model: Any, x: Any, y: Any) -> np.ndarray:
@@ -89,6 +90,14 @@ def test_what_cannot_be_a_floor_is_refused() -> None:
         adapter.Floor(rsegen.Recipe(**rough, boundary="outer"))
     with pytest.raises(ParameterError, match="level_friction: a height field has one friction"):
         adapter.Floor(rsegen.Recipe(**rough, boundary="none", level_friction=(0.5, 0.7)))
+
+
+def test_each_world_has_a_map_by_its_key() -> None:
+    keys = jax.random.split(jax.random.PRNGKey(3), 50)
+    several = adapter.Floor(replace(RECIPE, maps=3, first_map=5))
+    assert set(several.indices(keys)) == {5, 6, 7}
+    assert several.indices(keys[10:20]) == several.indices(keys)[10:20]
+    assert len(set(adapter.Floor(RECIPE).indices(keys))) == 50
 
 
 @pytest.mark.long(reason="MuJoCo Playground: compiling its environment takes minutes")

@@ -30,7 +30,7 @@ from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.batch import build_many
 from rsegen.recipe.recipe import Recipe
 
-_SAMPLES, _BORDER, _RADIUS = Integer(1, 20), Integer(0, 10_000), Float(0, 100)
+_SAMPLES, _BORDER, _RADIUS = Integer(1, 20), Integer(0, 10_000), Float(0.01, 100)
 
 
 class Floor:
@@ -64,11 +64,14 @@ class Floor:
     def scene(self, xml: str) -> str:
         """Return a scene of Playground, MJCF, whose floor is the first map: a plane or a height field is replaced."""
         root = ET.fromstring(xml)  # noqa: S314  # a file of Playground's own
-        floors, asset = [geom for geom in root.iter("geom") if geom.get("name") == "floor"], root.find("asset")
-        if len(floors) != 1 or asset is None:
+        floors = [geom for geom in root.iter("geom") if geom.get("name") == "floor"]
+        if len(floors) != 1:
             raise UserError(f"{len(floors)} geoms are named floor; expected a scene of Playground, which has one")
+        asset = root.find("asset")
+        if asset is None:
+            asset = ET.SubElement(root, "asset")
         floor, heights = floors[0], corner_heights(self._first.heights, self._samples)
-        for own in [own for own in asset.iter("hfield") if own.get("name") == floor.get("hfield")]:
+        for own in [own for own in asset.findall("hfield") if own.get("name") == floor.get("hfield")]:
             asset.remove(own)
         low = float(heights.min())
         n_x, n_y = heights.shape
@@ -97,8 +100,7 @@ class Floor:
         """Return the index of the map of each world by its key of jax; of a recipe of one map any index."""
         import jax
 
-        words = [np.asarray(jax.random.bits(key, (), "uint32")).item() for key in rng]
-        recipe = self.recipe
+        words, recipe = np.asarray(jax.vmap(jax.random.bits)(rng)).tolist(), self.recipe
         return words if recipe.maps == 1 else [recipe.indices[word % recipe.maps] for word in words]
 
     def arrays(self, levels: Ints) -> tuple[Array, Array]:
