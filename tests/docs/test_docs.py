@@ -152,7 +152,7 @@ def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
 @pytest.mark.long(reason="tests/learning has each framework")
 @pytest.mark.slow
 def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
-    """But for Isaac Lab, mjlab, legged_gym, Genesis and SAPIEN: tests/learning has what can be run of these."""
+    """But for what needs a trainer or another simulator: tests/learning has what can be run of it."""
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
@@ -169,6 +169,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
         _mjlab,
         _legged_gym,
         _genesis_and_sapien,
+        _playground,
         in_place,
         reset,
         touch,

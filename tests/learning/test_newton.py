@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Matrix, Random, Recipe, build_many, compose
+from rsegen import Matrix, Random, Recipe, build_many, compose, scan_points
 from rsegen.errors import ParameterError, UnknownName
 from tests.support.late_import import LateImport
 from tests.support.long import long_unless
+from tests.support.policy_step import learn
 
 newton = LateImport("newton", reason="Newton is not installed")
 wp = LateImport("warp", reason="Warp is not installed")
@@ -149,6 +150,44 @@ def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
         newton.eval_fk(model, model.joint_q, model.joint_qd, now)
         now = _later(model, stepper, now, 300)
         assert now.body_q.numpy()[:, 2] == pytest.approx(0.53 + levels[:, 2, 1] * 0.05, abs=0.002)
+
+
+@pytest.mark.slow
+def test_a_policy_that_pushes_balls_over_blocks_learns_a_step() -> None:
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
+    model, shapes = _worlds()
+    levels = build_many(RECIPE, range(WORLDS))
+    grid().write(model, levels, shapes)
+    stepper = newton.solvers.SolverXPBD(model)
+    stepper.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)
+    now, following, control = model.state(), model.state(), model.control()
+    newton.eval_fk(model, model.joint_q, model.joint_qd, now)
+    now = _later(model, stepper, now, 300)
+    assert now.body_q.numpy()[:, 2] == pytest.approx(0.53 + levels[:, 2, 1] * 0.05, abs=0.002)
+    ground, pattern = grid().ground(levels), scan_points((0.2, 0.2), 0.1)
+    pipeline = newton.CollisionPipeline(model)
+    contacts = pipeline.contacts()
+
+    def observe() -> Any:
+        place = now.body_q.numpy()[:, :3]
+        scan = ground.scan(pattern, np.column_stack([place, np.zeros(WORLDS)]))
+        return torch.from_numpy(np.hstack([place, now.body_qd.numpy(), scan]))
+
+    def act(forces: Any) -> Any:
+        """Push the balls, of 0.1 kg, along x and y for 0.02 s; the reward is their velocity along x."""
+        nonlocal now, following
+        pushes = np.zeros((WORLDS, 6), dtype=np.float32)
+        pushes[:, :2] = 0.5 * forces
+        for _ in range(10):
+            now.body_f.assign(pushes)
+            pipeline.collide(now, contacts)
+            stepper.step(now, following, control, contacts, 0.002)
+            now, following = following, now
+        return torch.from_numpy(now.body_qd.numpy()[:, 0].copy())
+
+    observed, rewards = learn(observe, act, 2, steps=8)
+    assert len(torch.unique(observed[0, :, -len(pattern) :].round(decimals=2))) >= 4  # heights of blocks
+    assert rewards.abs().max() > 0.05
 
 
 @pytest.mark.slow

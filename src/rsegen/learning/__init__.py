@@ -9,6 +9,7 @@
     mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
     seating      seat: any MuJoCo model put on the ground, or dropped until it rests
     mujoco_warp  BlocksOfWorlds: one map per world
+    playground   Floor, a field for each world of MuJoCo Playground
     newton       add_map to a ModelBuilder; BlockGrid
     genesis      terrain_morph, a height-field morph
     sapien       add_map to an ActorBuilder of SAPIEN, and so of ManiSkill
