@@ -25,6 +25,7 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
 from rsegen.heights.table import is_esri_grid
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
@@ -300,22 +301,60 @@ def _pcd(path: Path) -> tuple[Array, str]:
     return _checked(path, _by_library(path, read)), "m"
 
 
+_RECORDS, _KEYS, _DOUBLES, _WKT = "LASF_Projection", 34735, 34736, 2112
+"""Records of a LAS file with the coordinate reference system of its places: as keys of GeoTIFF, or as a text in WKT."""
+
+_IN_METRES = "pdal translate FILE NEW.laz reprojection --filters.reprojection.out_srs={}"
+"""The command that projects a laser scan."""
+
+_SAME_UNIT = 1e-5
+"""Share by which two units differ that count as one: the US survey foot is longer than a foot by 2e-6."""
+
+
 def _las(path: Path) -> tuple[Array, str]:
-    """Return the points of a laser scan in LAS or LAZ, which laspy reads; its places may be those of a map."""
+    """Return the points of a laser scan in LAS or LAZ, which laspy reads, and the unit that the file says.
+
+    Its places may be those of a map; heights in another unit than x and y become heights in that one.
+    """
+    system = CoordinateSystem()
 
     def read() -> Array:
         import laspy
+
+        nonlocal system
 
         with open_regular(path) as file:
             _refuse_records(file)
             with laspy.open(file) as reader:
                 _refuse_many(path, reader.header.point_count)
+                system = _las_system(reader.header)
+                refuse_degrees(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
                 points = np.asarray(reader.read().xyz, dtype=np.float64)
                 if len(points) < reader.header.point_count:
                     raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
                 return points
 
-    return _checked(path, _by_library(path, read)), "m"
+    points = _checked(path, _by_library(path, read))
+    metres = system.metres or 1.0
+    points[:, 2] *= (system.metres_up or metres) / metres
+    near = (name for name, length in CENTIMETRES.items() if abs(length / 100 / metres - 1) < _SAME_UNIT)
+    if (unit := next(near, None)) is None:
+        advice = _IN_METRES.format("EPSG:CODE")
+        raise FileError(f"{path}: a unit of its places is {metres:g} m; write them in metres with `{advice}`")
+    return points, unit
+
+
+def _las_system(header: Any) -> CoordinateSystem:
+    """Return the coordinate reference system of a laser scan: that of the text, if it has both."""
+    records = [*header.vlrs, *(header.evlrs or ())]
+    content = {record.record_id: record.record_data_bytes() for record in records if record.user_id == _RECORDS}
+    if _WKT in content:
+        return of_wkt(content[_WKT].decode("utf-8", "replace"))
+    keys, doubles = (
+        np.frombuffer(content.get(tag, b""), kind, len(content.get(tag, b"")) // size).tolist()
+        for tag, kind, size in ((_KEYS, "<u2", 2), (_DOUBLES, "<f8", 8))
+    )
+    return of_keys(keys, doubles)
 
 
 _LAS_RECORD, _LONG_LAS_RECORD = 54, 60
