@@ -43,10 +43,9 @@ def add_import(command: Parser) -> None:
     """Add the flags of `rsegen import`."""
     from rsegen.heights.base import IMPORTERS
 
-    epilog = (
-        "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
-    )
-    epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
+    epilog = "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), an occupancy grid of ROS "
+    epilog += "(map.yaml), or a bag of ROS with grid maps (needs rsegen[bag]). "
+    epilog += "The folder of the world has its recipe, which can be opened on the page and generated again."
     command.explain(_Errors.__doc__, epilog)
     command.add_argument("file", metavar="FILE", help=f"a file: {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
