@@ -10,9 +10,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from rsegen.errors import UserError
-from rsegen.input_files import read_by_library
-
 _Content = TypeVar("_Content")
 
 
@@ -80,6 +77,9 @@ def read_with(extra: Extra, path: Path, read: Callable[[], _Content]) -> _Conten
 
     A FileError for all that the library raises.
     """
+    from rsegen.errors import UserError
+    from rsegen.input_files import read_by_library  # not for declarations, which are all read for `--help`
+
     try:
         return read_by_library(path, read)
     except ImportError as error:
