@@ -74,7 +74,7 @@ def test_a_missing_file_and_a_folder_are_refused(suffix: str, tmp_path: Path) ->
 
 
 def test_a_file_of_no_known_format_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(FileError, match=r"heights\.xlsx: heights are read from files named \*\.asc, \*\.bmp, "):
+    with pytest.raises(FileError, match=r"heights\.xlsx: heights are read from files named \*\.asc, \*\.bag, "):
         importer_for(Path("heights.xlsx"))
 
 

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 import trimesh
 
+import rsegen
 from rsegen.errors import FileError
-from rsegen.robots import body, sdf_shapes
-from rsegen.robots.meshes import mesh_bounds, read_mesh
+from rsegen.geometry.collada import Triangles
+from rsegen.robots import body, meshes, sdf_shapes
+from rsegen.robots.meshes import mesh_bounds, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file
+from rsegen.standing.resting import has_stood
+from rsegen.standing.settling import PaddedGround, outer_radius, settle
 
 SOLIDS = {
     "box": trimesh.creation.box((0.4, 0.2, 0.1)),
@@ -94,3 +98,110 @@ def test_a_mesh_of_many_shapes_is_read_once(tmp_path: Path, monkeypatch: pytest.
     assert sorted(read) == ["box.stl", "box.stl", "wheel.stl"]
     assert len(parts.parts) == 15
     assert parts.high[0] - parts.low[0] == pytest.approx(0.8)
+
+
+SIDE = 0.01
+
+
+def rod() -> trimesh.Trimesh:
+    """A plate with a rod that is thinner than a cube, and a screw that is smaller than one."""
+    plate = trimesh.creation.box((0.4, 0.3, 0.05))
+    while len(plate.faces) < 20_000:
+        plate = plate.subdivide()
+    antenna = trimesh.creation.cylinder(0.001, 0.3, sections=8).apply_translation((0.105, 0.0333, 0.2))
+    screw = trimesh.creation.icosphere(radius=0.001).apply_translation((0.1333, 0.1333, 0.3333))
+    parts = plate, antenna, screw
+    return trimesh.Trimesh(
+        *trimesh.util.append_faces([part.vertices for part in parts], [part.faces for part in parts])
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_sorted", [False, True])
+def test_a_mesh_of_many_faces_is_simplified_and_nothing_of_it_is_lost(
+    is_sorted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(meshes, "MANY_FACES", 1000)
+    if is_sorted:
+        monkeypatch.setattr(meshes, "_CUBES_PER_POINT", 0)
+    solid = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
+    for mesh, most in ((solid, 0.7), (rod(), 0.5)):
+        points, corners = np.asarray(mesh.vertices)[mesh.faces].reshape(-1, 3), np.arange(3 * len(mesh.faces))
+        few = simplified(Triangles(points, corners.reshape(-1, 3)), SIDE)
+        assert len(few.corners) < most * len(mesh.faces)
+        assert {*map(tuple, few.points.tolist())} <= {*map(tuple, points.tolist())}
+        off = np.abs(np.subtract(few.points[few.corners].min(axis=(0, 1)), mesh.bounds[0]))
+        assert (off <= SIDE).all()
+        away = np.linalg.norm(mesh.vertices[::7, None] - few.points[np.unique(few.corners)], axis=2).min(axis=1)
+        assert away.max() <= SIDE * 3**0.5
+    drawn = few.points[few.corners]
+    assert ((drawn[:, :, 2] > 0.332) & (drawn[:, :, 0] > 0.12)).all(axis=1).sum() == len(
+        trimesh.creation.icosphere().faces
+    )  # of the screw
+    wanted = trimesh.creation.cylinder(0.001, 0.3, sections=8)  # the rod
+    assert ((drawn[:, :, 2] > 0.03) & (drawn[:, :, 0] < 0.11)).all(axis=1).sum() == len(wanted.faces)
+
+
+def test_what_is_outermost_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(meshes, "MANY_FACES", 1000)
+    mesh = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
+    few = simplified(Triangles(np.asarray(mesh.vertices), np.asarray(mesh.faces)), SIDE)
+    assert len(few.corners) < len(mesh.faces)
+    directions = np.random.default_rng(1).normal(size=(20, 3))
+    for direction in directions / np.linalg.norm(directions, axis=1, keepdims=True):
+        assert (mesh.vertices @ direction).max() - (few.points @ direction).max() < SIDE / 10
+
+
+@pytest.mark.parametrize("place", [np.nan, np.inf, 1e300, None])
+def test_a_mesh_that_cannot_be_simplified_stays(place: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    points, faces = np.array(SOLIDS["ball"].vertices), np.asarray(SOLIDS["ball"].faces)
+    mesh = Triangles(points, faces)
+    assert simplified(mesh, SIDE) is mesh  # it has few faces
+    monkeypatch.setattr(meshes, "MANY_FACES", 10)
+    assert simplified(mesh, 0.0) is mesh
+    assert simplified(mesh, SIDE) is not mesh
+    if place is not None:
+        points[3, 1] = place
+        assert simplified(mesh, SIDE) is mesh
+
+
+def test_corners_of_many_faces_are_not_merged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "part.stl"
+    SOLIDS["ball"].export(path)
+    content = bytearray(path.read_bytes())
+    content[84 + 12 : 84 + 16] = np.float32(np.nan).tobytes()  # a face that has no place
+    path.write_bytes(content)
+    merged = read_mesh(path)
+    monkeypatch.setattr(meshes, "MANY_FACES", 10)
+    separate = read_mesh(path)
+    assert len(separate.points) == 3 * len(separate.corners)
+    np.testing.assert_array_equal(separate.points[separate.corners], merged.points[merged.corners])
+    np.testing.assert_array_equal(mesh_bounds(path), (separate.points.min(axis=0), separate.points.max(axis=0)))
+
+
+@pytest.mark.slow
+def test_a_robot_of_many_faces_rests_where_one_of_all_its_faces_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hull with an uneven underside, on which it stands."""
+    hull = trimesh.creation.icosphere(subdivisions=7)
+    assert len(hull.faces) > meshes.MANY_FACES
+    places = np.sign(hull.vertices) * np.sqrt(np.abs(hull.vertices)) * (0.3, 0.2, 0.08)
+    hull.vertices = places + np.random.default_rng(0).normal(0, 2e-4, places.shape)
+    hull.export(tmp_path / "hull.stl")
+    shape = '<collision name="c"><geometry><mesh><uri>hull.stl</uri></mesh></geometry></collision>'
+    path = tmp_path / "hull.sdf"
+    path.write_text(f'<sdf version="1.9"><model name="hull"><link name="l">{shape}</link></model></sdf>')
+    few = body.body_of_file.__wrapped__(from_file(path))
+    monkeypatch.setattr(meshes, "MANY_FACES", len(hull.faces))
+    exact = body.body_of_file.__wrapped__(from_file(path))
+    assert len(few.surface) < len(exact.surface) / 2
+    field = rsegen.build(rsegen.Recipe(seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)]))
+    rng = np.random.default_rng(5)
+    x, y = rng.uniform(-0.4, 0.4, (2, 100))
+    yaw = rng.uniform(-np.pi, np.pi, 100)
+    ground = PaddedGround.of(field, max(map(outer_radius, (exact, few))))
+    wanted, found = (settle(ground, each, x, y, yaw) for each in (exact, few))
+    stood = has_stood(wanted) & has_stood(found)
+    assert stood.mean() > 0.9
+    assert np.quantile(np.abs(found.z - wanted.z)[stood], 0.95) < 0.0005  # metres

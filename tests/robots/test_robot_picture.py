@@ -8,15 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
+from rsegen.geometry.collada import Triangles
+from rsegen.robots import meshes, visuals
 from rsegen.robots import robot_picture as module
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import robot_of
+from rsegen.robots.meshes import read_mesh
 from rsegen.robots.visuals import placed_shapes
 
 RED = "<material><diffuse>1 0 0 1</diffuse></material>"
@@ -135,3 +139,28 @@ def test_the_file_is_written_as_any_picture(tmp_path: Path, capsys: pytest.Captu
     assert "--picture: is for one robot: name it first" in capsys.readouterr().err
     assert main(["robot", "burger", "--picture", str(tmp_path / "b.svg"), "--dry-run"]) == 0
     assert not (tmp_path / "b.svg").exists()
+
+
+def test_a_mesh_of_many_faces_is_read_once_and_drawn_with_fewer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
+    ball.export(tmp_path / "ball.stl")
+    mesh = "<geometry><mesh><uri>ball.stl</uri></mesh></geometry>"
+    robot = robot_of(model(tmp_path, visual(mesh), collision(mesh)))
+    exact, read = halves(rsegen.robot_picture(robot)), []
+
+    def counted(path: Path) -> Triangles:
+        read.append(path.name)
+        return read_mesh(path)
+
+    monkeypatch.setattr(visuals, "read_mesh", counted)
+    monkeypatch.setattr(meshes, "MANY_FACES", 1000)
+    monkeypatch.setattr(visuals, "_FINEST", 40)
+    few = halves(rsegen.robot_picture(robot))
+    assert read == ["ball.stl"]
+    (drawn,) = placed_shapes(robot, "visual").shapes
+    assert 1000 < len(drawn.corners) < len(ball.faces) / 2
+    for half, wanted in zip(few, exact, strict=True):
+        off = np.abs(half.astype(int) - wanted.astype(int)).max(axis=-1)
+        assert 0 < (off > 40).mean() < 0.02

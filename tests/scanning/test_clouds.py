@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,8 @@ import laspy
 import numpy as np
 import pytest
 import trimesh
+from laspy.vlrs.vlr import VLR
+from laspy.vlrs.vlrlist import VLRList
 from PIL import Image
 from pypcd4.pypcd4 import Encoding, PointCloud
 
@@ -87,12 +89,28 @@ def of_names(path: Path) -> None:
     np.save(path, array)
 
 
-def las(path: Path) -> None:
-    """A laser scan with whole tenths of a millimetre, as surveyors write it."""
-    scan = laspy.LasData(laspy.LasHeader(point_format=3, version="1.2"))
+def las(path: Path, points: Array = POINTS, *records: VLR, behind: Sequence[VLR] = ()) -> None:
+    """A laser scan with whole tenths of a millimetre, as surveyors write it; records: of its coordinate system."""
+    header = (
+        laspy.LasHeader(point_format=6, version="1.4") if behind else laspy.LasHeader(point_format=3, version="1.2")
+    )
+    header.vlrs.extend(records)
+    scan = laspy.LasData(header)
     scan.header.scales = np.full(3, 1e-4)
-    scan.x, scan.y, scan.z = POINTS.T
+    scan.x, scan.y, scan.z = points.T
+    if behind:
+        scan.evlrs = VLRList(behind)
     scan.write(str(path))
+
+
+def geokeys(*keys: int) -> VLR:
+    """The keys of a coordinate reference system as GeoTIFF has them."""
+    return VLR("LASF_Projection", 34735, "", np.array([1, 1, 0, len(keys) // 4, *keys], "<u2").tobytes())
+
+
+def wkt(text: str) -> VLR:
+    """The text of a coordinate reference system."""
+    return VLR("LASF_Projection", 2112, "", text.encode() + b"\0")
 
 
 WRITERS: Mapping[str, Callable[[Path], Any]] = {
@@ -139,6 +157,57 @@ def test_several_files_are_one_cloud_in_the_unit_that_is_given(tmp_path: Path) -
     np.save(tmp_path / "b.npy", POINTS)
     found = read_clouds([tmp_path / "a.xyz", tmp_path / "b.npy"], values="mm").points
     assert np.allclose(found, np.concatenate([POINTS, POINTS]) / 1000)
+
+
+DEGREES = 'GEOGCS["WGS 84",DATUM["W",SPHEROID["W",6378137,298.257]],UNIT["degree",0.01745]]'
+IN_FEET = f'PROJCS["Ohio",{DEGREES},UNIT["US survey foot",0.304800609601219]]'
+UP_IN_METRES = 'VERT_CS["NAVD88",VERT_DATUM["N",2005],UNIT["metre",1]]'
+
+
+@pytest.mark.parametrize(
+    ("records", "behind", "place", "code"),
+    [
+        ([geokeys(1024, 0, 1, 2)], [], (9.5, 47.2), "EPSG:32632"),
+        ([wkt(DEGREES)], [], (-70.5, -33.4), "EPSG:32719"),
+        ([geokeys(1024, 0, 1, 1), wkt(DEGREES)], [], (9.5, 47.2), "EPSG:32632"),
+        ([], [wkt(DEGREES)], (180, 0), "EPSG:32660"),
+        ([wkt(DEGREES)], [], (500, 400), "EPSG:CODE"),
+    ],
+)
+def test_a_laser_scan_in_degrees_says_how_to_project_it(
+    tmp_path: Path, records: Sequence[VLR], behind: Sequence[VLR], place: tuple[float, float], code: str
+) -> None:
+    path = tmp_path / "a.las"
+    las(path, POINTS[:10] * (1e-5, 1e-5, 1) + (*place, 0), *records, behind=behind)
+    command = f"pdal translate FILE NEW.laz reprojection --filters.reprojection.out_srs={code}"
+    with pytest.raises(FileError) as refused:
+        read_clouds([path])
+    assert str(refused.value) == f"{path}: its places are in degrees; write them in metres with `{command}`"
+
+
+@pytest.mark.parametrize(
+    ("records", "values", "scale"),
+    [
+        ([geokeys(1024, 0, 1, 1, 3076, 0, 1, 9001)], None, (1, 1, 1)),
+        ([geokeys(1024, 0, 1, 1)], None, (1, 1, 1)),
+        ([geokeys(1024, 0, 1, 1, 3076, 0, 1, 9003)], None, (0.3048, 0.3048, 0.3048)),
+        ([geokeys(1024, 0, 1, 1, 3076, 0, 1, 9001, 4099, 0, 1, 9002)], None, (1, 1, 0.3048)),
+        ([wkt(IN_FEET)], None, (0.3048, 0.3048, 0.3048)),
+        ([wkt(f'COMPD_CS["both",{IN_FEET},{UP_IN_METRES}]')], None, (0.3048, 0.3048, 1)),
+        ([wkt(IN_FEET)], "cm", (0.01, 0.01, 0.01)),
+    ],
+)
+def test_a_laser_scan_is_read_in_the_unit_that_it_says(
+    tmp_path: Path, records: Sequence[VLR], values: str | None, scale: tuple[float, float, float]
+) -> None:
+    las(tmp_path / "a.las", POINTS, *records)
+    assert np.abs(read_clouds([tmp_path / "a.las"], values=values).points - POINTS * scale).max() < 1e-5
+
+
+def test_a_laser_scan_in_a_unit_that_is_not_known_is_refused(tmp_path: Path) -> None:
+    las(tmp_path / "a.las", POINTS, wkt(IN_FEET.replace("0.304800609601219", "0.9144")))
+    with pytest.raises(FileError, match=r"a\.las: a unit of its places is 0\.9144 m; write them in metres with `pdal "):
+        read_clouds([tmp_path / "a.las"])
 
 
 def depths(shape: tuple[int, int] = (6, 8)) -> Array:

@@ -136,6 +136,13 @@ def test_of_many_meshes_each_sample_is_looked_at_once(monkeypatch: pytest.Monkey
     body = body_of_shapes(shapes, mass=1, centre=np.zeros(3), speed=1, distance=0.01, where="robot")
     assert asked == ["box"]
     assert set(body.part) == set(range(6))
-    rows = np.random.default_rng(2).integers(-3, 3, (500, 3))
+
+
+@pytest.mark.parametrize("far", [1, 10**6])
+def test_rows_are_numbered_in_their_order(far: int) -> None:
+    rows = np.random.default_rng(2).integers(-5, 5, (500, 3)) * far
     _, expected = np.unique(rows, axis=0, return_inverse=True)
-    np.testing.assert_array_equal(sampling._numbered(rows), expected.ravel())
+    numbers = sampling._numbered(rows)
+    assert (numbers.max() < 500) == (far > 1)  # those of a small box are its places
+    np.testing.assert_array_equal(np.unique(numbers, return_inverse=True)[1], expected.ravel())
+    assert sampling._numbered(rows[:0]).shape == (0,)

@@ -77,7 +77,7 @@ class Format(ABC):
 
 READING = frozenset(
     {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
-    | {"levels", "invert", "threshold", "framed", "camera_cm", "unknown"}
+    | {"levels", "invert", "threshold", "framed", "camera_cm", "unknown", "topic", "layer"}
 )
 """Flags of `rsegen import`, which writes formats too."""
 

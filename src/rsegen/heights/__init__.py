@@ -4,6 +4,9 @@ file --Importer.read--> Heights --imported--> Recipe of one matrix
 """
 
 from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import Extra
+
+BAG = Extra("bag", "rosbags", "rsegen import: grid maps in bags of ROS (mcap, db3, bag)")
 
 CAPABILITY = Capability(
     summary="maps of measured heights, images and occupancy grids",
@@ -19,6 +22,7 @@ CAPABILITY = Capability(
         ),
     ),
     public={"rsegen.heights.base": ("imported",)},
+    extras=(BAG,),
     reads="rsegen.heights.base:reads",
     manual="heights",
 )

@@ -28,6 +28,7 @@ from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array, Ints, Mask
+    from rsegen.heights.coordinate_system import CellSides
 
 
 _MEASURED = 0.2
@@ -199,6 +200,7 @@ class Heights:
     """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has.
 
     errors_cm, holes: (n_x, n_y), by how much each height is above its level, and which cells were filled, if known.
+    sides: of blocks, if the file says how wide its cells are; in `recipe_values` too if they are squares of known size.
     levels of -1 are of cells that the file does not know: they have no block, and the matrix leaves them as they are.
     """
 
@@ -207,6 +209,7 @@ class Heights:
     recipe_values: Mapping[str, Any] = field(default_factory=dict)
     errors_cm: Array | None = None
     holes: Mask | None = None
+    sides: CellSides | None = None
 
     @property
     def unknown(self) -> int:

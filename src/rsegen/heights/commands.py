@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -19,12 +19,13 @@ from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, counted
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
+from rsegen.params.numbers import decimal, lengths_in
 from rsegen.params.sorts import FilePath, Flag, parameters
 from rsegen.pictures.flags import picture_of
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.heights.base import Importer
+    from rsegen.heights.base import Heights, Importer
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,10 +43,9 @@ def add_import(command: Parser) -> None:
     """Add the flags of `rsegen import`."""
     from rsegen.heights.base import IMPORTERS
 
-    epilog = (
-        "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
-    )
-    epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
+    epilog = "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), an occupancy grid of ROS "
+    epilog += "(map.yaml), or a bag of ROS with grid maps (needs rsegen[bag]). "
+    epilog += "The folder of the world has its recipe, which can be opened on the page and generated again."
     command.explain(_Errors.__doc__, epilog)
     command.add_argument("file", metavar="FILE", help=f"a file: {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
@@ -77,7 +77,21 @@ def run_import(arguments: argparse.Namespace) -> Report:
         notes.append(
             f"{counted(heights.unknown, 'cell')} transparent or without data, so unknown: no block stands there"
         )
-    return replace(report, notes=notes)
+    return replace(report, notes=[*notes, *_width(heights, recipe, is_given="block_width_cm" in given_values)])
+
+
+def _width(heights: Heights, recipe: Recipe, *, is_given: bool) -> Iterator[str]:
+    """Yield a line on the width of blocks, if the file says how wide its cells are and the user does not."""
+    if heights.sides is None or is_given:
+        return
+    width = lengths_in(recipe.units).with_unit(recipe.block_width_cm / 100, 3)
+    if "block_width_cm" in heights.recipe_values:
+        yield f"blocks are {width} wide, as the file says (--block-width-cm if they are not)"
+        return
+    metres = heights.sides.metres
+    of_blocks = " x ".join(decimal(round(side * (metres or 1), 6)) for side in heights.sides[:2])
+    unit = "in a unit that it does not say" if metres is None else "m"
+    yield f"warning: blocks are {width} wide, and in the file they are {of_blocks} {unit} (--block-width-cm)"
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:

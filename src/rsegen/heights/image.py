@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.heights.base import CENTIMETRES, USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, of_keys, refuse_degrees
 from rsegen.heights.measured import Measured
 from rsegen.input_files import opened_image
 from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
@@ -80,7 +81,8 @@ class Picture(Measured):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
-            return self.measured(path, self._heights_cm(path), unit_cm or USUAL_UNIT_CM)
+            heights, cells = self._heights_cm(path)
+            return self.measured(path, heights, unit_cm or USUAL_UNIT_CM, cells=cells)
         grey = brightness(path, self.size)
         levels = self._levels(1 - grey if self.invert else grey)
         recipe_values: dict[str, object] = {}
@@ -88,8 +90,11 @@ class Picture(Measured):
             levels, recipe_values = _without_frames(levels, self.framed)
         return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
-    def _heights_cm(self, path: Path) -> Array:
-        """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing, or for no data."""
+    def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None]:
+        """Return the heights of all pixels, shape (n_x, n_y), and the sides of pixels if the file says them.
+
+        nan where a depth camera saw nothing, or for no data
+        """
         import numpy as np
 
         with opened_image(path) as image:
@@ -98,13 +103,13 @@ class Picture(Measured):
                 kinds = "a greyscale image of 16 bits or floating-point numbers"
                 raise FileError(f"{path}: {image.mode} pixels; heights and depths need {kinds}")
             numbers = np.asarray(image.convert("F" if image.mode == "F" else "I"), dtype=np.float64)[::-1].T
-            none = (_no_data(image), image.info.get("transparency"))
+            none, cells = (_no_data(image), image.info.get("transparency")), _sides(path, image)
         for value in none:
             if isinstance(value, int | float):
                 numbers = np.where(np.isclose(numbers, value, rtol=1e-6, atol=0), np.nan, numbers)
         if self.camera_cm is None:
-            return numbers * CENTIMETRES[self.values]
-        return np.where(numbers == 0, np.nan, self.camera_cm - numbers / 10)
+            return numbers * CENTIMETRES[self.values], cells
+        return np.where(numbers == 0, np.nan, self.camera_cm - numbers / 10), cells
 
     def _levels(self, grey: Array) -> Ints:
         """Return the levels of grey values, -1 where they are not known."""
@@ -191,6 +196,28 @@ def area_means(values: Ints, size: Cell) -> Array:
 
 _NO_DATA = 42113
 """The tag of a GeoTIFF with the value of pixels that have none, as a text (GDAL_NODATA)."""
+
+_SCALE, _CORNER, _MATRIX, _GEO_KEYS, _DOUBLES = 33550, 33922, 34264, 34735, 34736
+"""Tags of a GeoTIFF: sides of a pixel; the place of one; or a matrix (4, 4) from pixels to places; and its keys."""
+
+
+def _sides(path: Path, image: Image) -> CellSides | None:
+    """Return the sides of the pixels of a GeoTIFF, None of another image; FileError for degrees."""
+    import numpy as np
+
+    tags = getattr(image, "tag_v2", {})
+    scale, corner, matrix, keys, doubles = (
+        np.ravel(tags.get(tag, ())) for tag in (_SCALE, _CORNER, _MATRIX, _GEO_KEYS, _DOUBLES)
+    )
+    system = of_keys(keys.tolist(), doubles.tolist())
+    if len(matrix) == 16:
+        rows = matrix.reshape(4, 4)
+        place, (x, y) = rows[:2, 3], np.linalg.norm(rows[:2, :2], axis=0)
+    else:
+        place, (x, y) = corner[3:5], scale[:2] if len(scale) >= 2 else (0, 0)
+    longitude, latitude = place if len(place) == 2 else (np.nan, np.nan)
+    refuse_degrees(path, system, (float(longitude), float(latitude)), IN_METRES)
+    return CellSides(float(x), float(y), system.metres) if min(x, y) > 0 else None
 
 
 def _no_data(image: Image) -> float | None:

@@ -23,10 +23,12 @@ from rsegen.heights.base import (
     refuse_too_many_cells,
     whole_units,
 )
-from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
+from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D, parameters
+from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array
+    from rsegen.heights.coordinate_system import CellSides
 
 
 _MOST_ALONG = 15
@@ -72,6 +74,17 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
     return np.where(inside, heights[x.clip(0, n_x - 1), y.clip(0, n_y - 1)], np.nan)
 
 
+def _block_width(sides: CellSides | None) -> dict[str, float]:
+    """Return the width of blocks as a recipe has it; nothing if it is not known, or no width of blocks."""
+    if sides is None or sides.metres is None or not sides.is_square:
+        return {}
+    width = round(sides.x * sides.metres * 100, 6)
+    try:
+        return {"block_width_cm": parameters(Recipe)["block_width_cm"].check("block_width_cm", width)}
+    except ParameterError:
+        return {}
+
+
 RESAMPLED = "resample to this many cells along x and y; default: one per cell, or pixel, of the file"
 
 _MOST_HOLES = 0.5
@@ -110,9 +123,17 @@ class Measured(Importer):
     ] = 0.0
 
     def measured(
-        self, path: Path, heights_cm: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
+        self,
+        path: Path,
+        heights_cm: Array,
+        unit_cm: float,
+        recipe_values: dict[str, Any] | None = None,
+        cells: CellSides | None = None,
     ) -> Heights:
-        """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none."""
+        """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none.
+
+        cells: the sides of its cells, if it says them; blocks are as wide then.
+        """
         import numpy as np
 
         # In this order: blocks of the map, then their ground, then holes, then levels.
@@ -126,13 +147,21 @@ class Measured(Importer):
             heights = filled(heights, holes)
         rounded = self.rounded or self.any_heights
         levels = whole_units(path, heights, unit_cm, rounded=rounded, any_heights=self.any_heights, holes=holes)
+        sides = cells and self._of_blocks(cells, heights_cm.shape)
         return Heights(
             levels=levels,
             unit_cm=unit_cm,
-            recipe_values=recipe_values or {},
+            recipe_values={**(recipe_values or {}), **_block_width(sides)},
             errors_cm=heights - levels * unit_cm,
             holes=holes,
+            sides=sides,
         )
+
+    def _of_blocks(self, cells: CellSides, shape: tuple[int, ...]) -> CellSides:
+        """Return the sides of the blocks of a map, from those of the cells of the file."""
+        if int(self.rotation // 90) % 2:
+            cells = cells._replace(x=cells.y, y=cells.x)
+        return cells.of_blocks(*self._per_block(shape)) if self.size else cells
 
     def _resampled(self, heights: Array) -> Array:
         """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
@@ -145,12 +174,18 @@ class Measured(Importer):
                     "size", "missing; origin, rotation and cells_per_block need the number of blocks along x and y"
                 )
             return np.rot90(heights, -int(quarters))
-        extent = heights.shape[:: -1 if quarters % 2 else 1]
-        whole = self.cells_per_block is None and self.origin is None and not rest
-        cells = self.cells_per_block or 1.0
-        per_block = (extent[0] / self.size[0], extent[1] / self.size[1]) if whole else (cells, cells)
+        per_block = self._per_block(heights.shape)
         refuse_too_many_cells(Path("size"), *self.size)
         return sampled(heights, self.size, per_block, self.origin or self._centred(heights, per_block), self.rotation)
+
+    def _per_block(self, shape: tuple[int, ...]) -> tuple[float, float]:
+        """Return how many cells of a file of a shape a block has along x and y of a map of `size`."""
+        quarters, rest = divmod(self.rotation, 90)
+        if self.cells_per_block is not None or self.origin is not None or rest:
+            return (self.cells_per_block or 1.0,) * 2
+        n_x, n_y = shape[:: -1 if quarters % 2 else 1]
+        size_x, size_y = self.size or (n_x, n_y)
+        return n_x / size_x, n_y / size_y
 
     def _centred(self, heights: Array, per_block: tuple[float, float]) -> tuple[float, float]:
         """Return the south-west corner of a map whose middle is that of the file."""

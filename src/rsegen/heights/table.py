@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.heights.base import CENTIMETRES, MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_degrees
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
 from rsegen.params.sorts import Cell, Choice, parameters
@@ -155,7 +156,8 @@ class Table(Measured):
             if self.values == "auto":
                 raise ParameterError("values", f"{path} is a grid that does not say its unit; set m, cm, mm or in")
             unit = unit_cm or USUAL_UNIT_CM
-            return self.measured(path, _of_esri_grid(path, text) * {**CENTIMETRES, "levels": unit}[self.values], unit)
+            numbers, cells = _of_esri_grid(path, text)
+            return self.measured(path, numbers * {**CENTIMETRES, "levels": unit}[self.values], unit, cells=cells)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
         unit = unit_cm or (_value(f"{path}: line 1", "unit_cm", ours[1]) if ours else USUAL_UNIT_CM)
@@ -175,8 +177,11 @@ def is_esri_grid(text: str) -> bool:
     return bool(_ESRI_START.match(text))
 
 
-def _of_esri_grid(path: Path, text: str) -> Array:
-    """Return the numbers of a grid, shape (n_x, n_y); nan where it has none. A row may be on several lines."""
+def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:
+    """Return the numbers of a grid, shape (n_x, n_y), nan where it has none, and the sides of its cells.
+
+    A row may be on several lines. The unit of the sides is in NAME.prj next to it, if anywhere.
+    """
     import numpy as np
 
     values, at = {}, 0
@@ -193,7 +198,17 @@ def _of_esri_grid(path: Path, text: str) -> Array:
         raise FileError(f"{path}: {library_message(error)}") from None
     if len(cells) != n_x * n_y:
         raise FileError(f"{path}: {len(cells):,} numbers; {n_x} x {n_y} cells have {n_x * n_y:,}")
-    return np.where(cells == none, np.nan, cells).reshape(n_y, n_x)[::-1].T
+    return np.where(cells == none, np.nan, cells).reshape(n_y, n_x)[::-1].T, _sides(path, values)
+
+
+def _sides(path: Path, header: Mapping[str, str]) -> CellSides | None:
+    """Return the sides of the cells of a grid, None if its header does not say them; FileError for degrees."""
+    system = beside(path)
+    numbers = {name: float(text) for name, text in header.items() if _is_number(text)}
+    place = numbers.get("xllcorner", numbers.get("xllcenter", 0)), numbers.get("yllcorner", numbers.get("yllcenter", 0))
+    refuse_degrees(path, system, place, IN_METRES)
+    x, y = (numbers.get(name, numbers.get("cellsize", 0)) for name in ("dx", "dy"))
+    return CellSides(x, y, system.metres) if min(x, y) > 0 else None
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:

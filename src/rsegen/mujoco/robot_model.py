@@ -26,7 +26,7 @@ from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING,
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import read_mesh
+from rsegen.robots.meshes import bounds, read_mesh, simplified
 from rsegen.robots.mimics import mimics
 from rsegen.robots.sdf_drives import motor
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
@@ -34,6 +34,9 @@ from rsegen.simulators.embedded import PlacedRobot
 
 _ENDLESS = 1e6
 """Limits of joints and efforts from which on a file means that there is none."""
+
+_OF_HULL = 500
+"""Cubes along the diagonal of a mesh of many faces in each of which its hull has a point at most."""
 
 _THIN = 0.0005
 """Half of a side, metres, that a shape has at least: MuJoCo takes no flat one."""
@@ -409,10 +412,11 @@ class _Builder:
         """Return a mesh as its convex hull; one that is flat as a thin box."""
         path, scale = file_and_scale(kind, self._where)
         try:
-            points, corners = read_mesh(path)
+            mesh = read_mesh(path)
         except ImportError:
             problem = "the mesh of a collision shape is read by trimesh, which is not installed"
             raise FileError(f"{path}: {problem}") from None
+        points, corners = simplified(mesh, float(np.linalg.norm(np.subtract(*bounds(mesh.points)))) / _OF_HULL)
         used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
         low, high = used.min(axis=0), used.max(axis=0)
         spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+_Content = TypeVar("_Content")
 
 
 class Extra(NamedTuple):
@@ -68,3 +70,17 @@ def pip_install(extras: Iterable[str]) -> str:
         f"{Path(__file__).parents[3]}[{','.join(extras)}]"  # not installed: the folder that it runs from
     ]
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(wanted))}"
+
+
+def read_with(extra: Extra, path: Path, read: Callable[[], _Content]) -> _Content:
+    """Return the result of `read`, which needs a library of an extra; UserError that says how to install it.
+
+    A FileError for all that the library raises.
+    """
+    from rsegen.errors import UserError
+    from rsegen.input_files import read_by_library  # not for declarations, which are all read for `--help`
+
+    try:
+        return read_by_library(path, read)
+    except ImportError as error:
+        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([extra.name])}") from None

@@ -18,7 +18,7 @@ from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
-from rsegen.robots.meshes import read_mesh
+from rsegen.robots.meshes import read_mesh, simplified
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of, inertials
 from rsegen.standing.body import (
     Body,
@@ -37,6 +37,12 @@ from rsegen.standing.body import (
 if TYPE_CHECKING:  # both have a body, which is made here
     from rsegen.robots.base import Robot
     from rsegen.robots.sdf_file import SdfRobot
+
+_CUBES = 4
+"""Cubes along the distance of samples in each of which a mesh of many faces has one point."""
+
+_THIN = 1e-9
+"""Least scale of a mesh: with 0 it has no size."""
 
 _GROUND = 1.0
 """Friction of the ground: simulators take the smaller of two, so more of a robot's own has no effect."""
@@ -137,7 +143,7 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
     elif kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
         try:
-            points, corners = read_mesh(path)
+            points, corners = simplified(read_mesh(path), distance / _CUBES / max(float(np.abs(scale).max()), _THIN))
         except ImportError:
             problem = "the mesh of a collision shape is read by trimesh, which is not installed"
             raise FileError(f"{path}: {problem}") from None

@@ -18,7 +18,7 @@ from rsegen.params.numbers import decimal
 from rsegen.pictures.camera import Camera, Pixels, Triangles, View
 from rsegen.pictures.preview import encoded, figure_of
 from rsegen.robots.lookup import DrivableRobot, robot_of
-from rsegen.robots.visuals import PlacedShapes, Visual, placed_shapes
+from rsegen.robots.visuals import Known, PlacedShapes, Visual, placed_shapes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +73,8 @@ def robot_picture(robot: str | os.PathLike[str] | DrivableRobot, format: str = "
 
 def picture_and_gaps(robot: DrivableRobot, format: str) -> tuple[bytes, list[str]]:  # noqa: A002  # matplotlib's word
     """Return the picture as the bytes of an image file, and a sentence for each file or kind that is not in it."""
-    halves = {half: placed_shapes(robot, half) for half in _HALVES}
+    known: Known = {}  # a mesh is often both
+    halves = {half: placed_shapes(robot, half, known) for half in _HALVES}
     points = [shape.points[shape.corners].reshape(-1, 3) for half in halves.values() for shape in half.shapes]
     if not any(map(len, points)):
         raise ParameterError(robot.kind, "has no shapes that can be drawn")

@@ -6,9 +6,9 @@ In a picture of a drive, a link that has no visuals, or one that cannot be read,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from contextlib import suppress
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -16,9 +16,9 @@ import numpy as np
 from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.meshes import read_mesh
+from rsegen.robots.meshes import bounds, read_mesh, simplified
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats
+from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of
 from rsegen.scene.colours import Colour
 
 _SIDES = 16
@@ -26,6 +26,9 @@ _SIDES = 16
 
 _RINGS = 7
 """Rings of a sphere from pole to pole: an odd number, so that the middle of a capsule is straight."""
+
+_FINEST = 200
+"""Points along the diagonal of a mesh of many faces: in the picture of a robot some three pixels apart."""
 
 _BODY, _DRIVEN = (0.45, 0.46, 0.48), (0.12, 0.12, 0.13)
 """Colours of shapes that have none: of links that do not drive, and of those that do."""
@@ -43,13 +46,15 @@ def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
     """Return the visual shapes of each link of a robot, by the link's name."""
     frames, driven = _frames_and_driven(robot)
     shapes: dict[str, list[Visual]] = {}
+    known: Known = {}
     for link, element in frames.links():
         default = _DRIVEN if link in driven else _BODY
         shapes[link] = []
         for tag in ("visual", "collision"):
             with suppress(UserError, ImportError):  # such as a mesh that is not here
                 every = [
-                    _shape(frames, link, shape, geometry, default) for shape, geometry in _geometries(element, tag)
+                    _shape(frames, link, shape, geometry, default, known)
+                    for shape, geometry in _geometries(element, tag)
                 ]
                 shapes[link] = shapes[link] or every
     return shapes
@@ -65,8 +70,18 @@ class PlacedShapes(NamedTuple):
     not_drawn: Mapping[str, list[str]]
 
 
-def placed_shapes(robot: DrivableRobot, tag: Literal["visual", "collision"]) -> PlacedShapes:
-    """Return the visual or the collision shapes of a robot, with its joints as its model has them."""
+Known: TypeAlias = dict[Hashable, tuple[Array, Ints]]
+"""Points and triangles of geometries that have been read, by their forms."""
+
+
+def placed_shapes(
+    robot: DrivableRobot, tag: Literal["visual", "collision"], known: Known | None = None
+) -> PlacedShapes:
+    """Return the visual or the collision shapes of a robot, with its joints as its model has them.
+
+    known: geometries that are not read again; those that are read are added
+    """
+    known = {} if known is None else known
     frames, driven = _frames_and_driven(robot)
     shapes: list[Visual] = []
     not_drawn: dict[str, list[str]] = {}
@@ -75,7 +90,7 @@ def placed_shapes(robot: DrivableRobot, tag: Literal["visual", "collision"]) -> 
         for shape, geometry in _geometries(element, tag):
             uri = (geometry[0].findtext("uri") or "").strip()
             try:
-                points, corners, colour = _shape(frames, link, shape, geometry, default)
+                points, corners, colour = _shape(frames, link, shape, geometry, default, known)
             except UserError as error:
                 is_nowhere = "://" in uri and not uri.startswith("file://")  # it has no path (`resolve_uris`)
                 not_drawn.setdefault(f"{uri} is not found" if is_nowhere else str(error), []).append(link)
@@ -106,9 +121,11 @@ def _geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:
             yield shape, geometry
 
 
-def _shape(frames: ModelFrames, link: str, shape: Element, geometry: Element, default: Colour) -> Visual:
+def _shape(frames: ModelFrames, link: str, shape: Element, geometry: Element, default: Colour, known: Known) -> Visual:
     """Return a shape in the frame of its link."""
-    points, corners = _triangles(geometry[0], frames.where)
+    if (form := form_of(geometry)) not in known:
+        known[form] = _triangles(geometry[0], frames.where)
+    points, corners = known[form]
     pose = np.linalg.inv(frames.transform(link)) @ frames.shape(link, shape)
     return Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, _colour(shape, frames.where, default))
 
@@ -125,7 +142,9 @@ def _triangles(kind: Element, where: str) -> tuple[Array, Ints]:
     """Return points and triangles of a geometry of SDF, in its own frame; none of an unknown one."""
     if kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
-        points, corners = read_mesh(path)
+        mesh = read_mesh(path)
+        low, high = bounds(mesh.points)
+        points, corners = simplified(mesh, float(np.linalg.norm(high - low)) / _FINEST)
         return points * scale, corners
     if kind.tag == "box":
         return _CUBE * floats(kind.findtext("size"), 3, where), _CUBE_CORNERS

@@ -18,17 +18,18 @@ from itertools import islice
 from pathlib import Path
 from struct import unpack_from
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
+from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
 from rsegen.heights.table import is_esri_grid
-from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
+from rsegen.input_files import open_regular, opened_image, text_of
 from rsegen.npy_files import mapped
-from rsegen.params.extras import Extra, pip_install
+from rsegen.params.extras import read_with
 from rsegen.params.sorts import CENTIMETRES
 from rsegen.scanning import BAG, E57, SCAN
 from rsegen.scanning.meshes import Cloud, seen_from_above
@@ -83,8 +84,6 @@ _MOST_COLUMNS, _OF_POINTS = 8, 20
 """Numbers of a point of an array at most, as x, y, z, intensity, and colours; and times as many points that it has at
 least: no depth image is so narrow."""
 
-_Content = TypeVar("_Content")
-
 Intrinsics = tuple[float, float, float, float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
 
@@ -127,9 +126,7 @@ def read_clouds(
 def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: str | None) -> Array | trimesh.Trimesh:
     """Return the points (n, 3) of a file, or its mesh, metres."""
     if not is_cloud(path):
-        if path.suffix.lower() in _OCTOMAPS:
-            raise FileError(f"{path}: a map of OctoMap; write its points with `octree2pointcloud FILE NEW.pcd`")
-        raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
+        raise FileError(f"{path}: {_instead(path)}")
     form = CLOUDS[path.suffix.lower()]
     if topic is not None and form != "bag":
         raise ParameterError("topic", f"{path} is no bag, and has no topics")
@@ -145,6 +142,15 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     if intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
     return np.asarray(numbers.reshape(-1, 3), dtype=np.float64) * metres
+
+
+def _instead(path: Path) -> str:
+    """Return what to do with a path that is no cloud."""
+    if path.suffix.lower() in _OCTOMAPS:
+        return "a map of OctoMap; write its points with `octree2pointcloud FILE NEW.pcd`"
+    if path.is_dir() and (inside := min((file.name for file in path.iterdir() if is_cloud(file)), default="")):
+        return f"a folder; use the files in it, such as {path / inside}"
+    return f"clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}"
 
 
 def _of_meshes(paths: Sequence[Path], meshes: Sequence[trimesh.Trimesh], up: Sequence[float] | None) -> Cloud:
@@ -266,7 +272,7 @@ def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
             loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)
         return loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
 
-    loaded = _by_library(path, read)
+    loaded = read_with(SCAN, path, read)
     if len(getattr(loaded, "faces", ())):
         return loaded, "m"
     return _checked(path, np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))), "m"
@@ -297,25 +303,63 @@ def _pcd(path: Path) -> tuple[Array, str]:
             cloud = PointCloud.from_fileobj(BufferedReader(BytesIO("\n".join([*lines, ""]).encode() + file.read())))
             return np.asarray(cloud.numpy([names[axis] for axis in "xyz"]), dtype=np.float64)
 
-    return _checked(path, _by_library(path, read)), "m"
+    return _checked(path, read_with(SCAN, path, read)), "m"
+
+
+_RECORDS, _KEYS, _DOUBLES, _WKT = "LASF_Projection", 34735, 34736, 2112
+"""Records of a LAS file with the coordinate reference system of its places: as keys of GeoTIFF, or as a text in WKT."""
+
+_IN_METRES = "pdal translate FILE NEW.laz reprojection --filters.reprojection.out_srs={}"
+"""The command that projects a laser scan."""
+
+_SAME_UNIT = 1e-5
+"""Share by which two units differ that count as one: the US survey foot is longer than a foot by 2e-6."""
 
 
 def _las(path: Path) -> tuple[Array, str]:
-    """Return the points of a laser scan in LAS or LAZ, which laspy reads; its places may be those of a map."""
+    """Return the points of a laser scan in LAS or LAZ, which laspy reads, and the unit that the file says.
+
+    Its places may be those of a map; heights in another unit than x and y become heights in that one.
+    """
+    system = CoordinateSystem()
 
     def read() -> Array:
         import laspy
+
+        nonlocal system
 
         with open_regular(path) as file:
             _refuse_records(file)
             with laspy.open(file) as reader:
                 _refuse_many(path, reader.header.point_count)
+                system = _las_system(reader.header)
+                refuse_degrees(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
                 points = np.asarray(reader.read().xyz, dtype=np.float64)
                 if len(points) < reader.header.point_count:
                     raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
                 return points
 
-    return _checked(path, _by_library(path, read)), "m"
+    points = _checked(path, read_with(SCAN, path, read))
+    metres = system.metres or 1.0
+    points[:, 2] *= (system.metres_up or metres) / metres
+    near = (name for name, length in CENTIMETRES.items() if abs(length / 100 / metres - 1) < _SAME_UNIT)
+    if (unit := next(near, None)) is None:
+        advice = _IN_METRES.format("EPSG:CODE")
+        raise FileError(f"{path}: a unit of its places is {metres:g} m; write them in metres with `{advice}`")
+    return points, unit
+
+
+def _las_system(header: Any) -> CoordinateSystem:
+    """Return the coordinate reference system of a laser scan: that of the text, if it has both."""
+    records = [*header.vlrs, *(header.evlrs or ())]
+    content = {record.record_id: record.record_data_bytes() for record in records if record.user_id == _RECORDS}
+    if _WKT in content:
+        return of_wkt(content[_WKT].decode("utf-8", "replace"))
+    keys, doubles = (
+        np.frombuffer(content.get(tag, b""), kind, len(content.get(tag, b"")) // size).tolist()
+        for tag, kind, size in ((_KEYS, "<u2", 2), (_DOUBLES, "<f8", 8))
+    )
+    return of_keys(keys, doubles)
 
 
 _LAS_RECORD, _LONG_LAS_RECORD = 54, 60
@@ -339,12 +383,12 @@ def _refuse_records(file: BufferedReader) -> None:
 
 def _e57(path: Path) -> tuple[Array, str]:
     """Return the points of all scans of a scanner's file, which pye57 reads."""
-    return _checked(path, _by_library(path, lambda: e57_points(path, partial(_refuse_many, path)), E57)), "m"
+    return _checked(path, read_with(E57, path, lambda: e57_points(path, partial(_refuse_many, path)))), "m"
 
 
 def _bag(path: Path, topic: str | None) -> Array:
     """Return the points of a cloud that was recorded, which rosbags reads."""
-    return _checked(path, _by_library(path, lambda: bag_points(path, topic, partial(_refuse_many, path)), BAG))
+    return _checked(path, read_with(BAG, path, lambda: bag_points(path, topic, partial(_refuse_many, path))))
 
 
 _NEEDED = ("FIELDS", "SIZE", "TYPE", "WIDTH", "DATA")
@@ -372,13 +416,6 @@ def _pcd_header(file: Iterable[bytes]) -> list[str]:
     words.setdefault("POINTS", str(int(words["WIDTH"]) * int(words["HEIGHT"])))
     words["DATA"] = words.pop("DATA")  # the last line
     return [f"{key} {value}" for key, value in words.items()]
-
-
-def _by_library(path: Path, read: Callable[[], _Content], extra: Extra = SCAN) -> _Content:
-    try:
-        return read_by_library(path, read)
-    except ImportError as error:
-        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([extra.name])}") from None
 
 
 def _checked(path: Path, points: Array) -> Array:

@@ -12,17 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
+from rsegen.heights.bags import CLOUD, connections_of, named, opened_bag
 from rsegen.input_files import open_regular
-
-_CLOUD = "sensor_msgs/msg/PointCloud2"
 
 _NUMBERS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
 """Types of a field's numbers, by their codes in PointField."""
-
-_MOST_TOPICS = 8
-"""Topics in a message at most."""
 
 Check = Callable[[int], None]
 """Raises a FileError for a number of points that is too large."""
@@ -51,37 +47,13 @@ def bag_points(path: Path, topic: str | None, check: Check) -> Array:
 
     topic: None for the only one with clouds; a ParameterError that names them if there are several, or it is none.
     """
-    from rosbags.highlevel import AnyReader
-    from rosbags.typesys import Stores, get_typestore
-
-    with open_regular(path):
-        pass
-    # Bags of before ROS 2 Jazzy do not say what their messages are made of.
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        clouds = [connection for connection in reader.connections if connection.msgtype == _CLOUD]
-        name = _topic(path, topic, sorted({cloud.topic for cloud in clouds}), [c.topic for c in reader.connections])
-        chosen = [cloud for cloud in clouds if cloud.topic == name]
-        for connection, _, raw in reader.messages(connections=chosen):
-            points = _points_of(reader.deserialize(raw, connection.msgtype), check)
+    with opened_bag(path) as bag:
+        chosen = connections_of(path, bag, CLOUD, topic, "clouds")
+        for connection, _, raw in bag.messages(connections=chosen):
+            points = _points_of(bag.deserialize(raw, connection.msgtype), check)
             if len(points):
                 return points
-    raise FileError(f"{path}: no message of {name} has points")
-
-
-def _topic(path: Path, topic: str | None, clouds: list[str], others: list[str]) -> str:
-    """Return the topic that is read: the one that is given, or the only one with clouds."""
-    if not clouds:
-        raise FileError(f"{path}: has no topic with {_CLOUD}, but {_named(sorted(set(others))) or 'none at all'}")
-    if topic is None and len(clouds) > 1:
-        raise ParameterError("topic", f"{path} has clouds on {_named(clouds)}; choose one of them")
-    if topic is not None and topic not in clouds:
-        raise ParameterError("topic", f"{shown(topic)} has no clouds in {path}; {_named(clouds)} has")
-    return topic or clouds[0]
-
-
-def _named(topics: list[str]) -> str:
-    more = len(topics) - _MOST_TOPICS
-    return ", ".join(topics[:_MOST_TOPICS]) + (f" and {more} more" if more > 0 else "")
+    raise FileError(f"{path}: no message of {chosen[0].topic} has points")
 
 
 def _points_of(message: Any, check: Check) -> Array:
@@ -91,7 +63,7 @@ def _points_of(message: Any, check: Check) -> Array:
     fields = {field.name: field for field in message.fields}
     lacking = [axis for axis in "xyz" if axis not in fields]
     if lacking:
-        raise ValueError(f"its points have no {lacking[0]}, but {', '.join(list(fields)[:_MOST_TOPICS])}")
+        raise ValueError(f"its points have no {lacking[0]}, but {named(list(fields))}")
     order = ">" if message.is_bigendian else "<"
     kind = np.dtype(
         {

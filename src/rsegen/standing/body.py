@@ -5,7 +5,8 @@ from below by a lower one, are left out. So a wheel, the round end of a track, a
 The distance between samples is a sixtieth of the robot's length; half of it is the error with which the edge of a
 block is met. Of a fine mesh one sample is kept in each cube of that size, and inside of its flat faces one in each cube
 of three times that size, as on the faces of boxes. Cost: once per robot, some ten milliseconds, and a second for a mesh
-of 100,000 triangles. What breaks it: a part thinner than the distance of samples.
+of 100,000 triangles; larger ones are simplified before (`robots/meshes.py`). What breaks it: a part thinner than the
+distance of samples.
 """
 
 from __future__ import annotations
@@ -39,6 +40,9 @@ _NEAR, _GAP = 3.2, 3.1
 """Inside of a flat face a sample has others in its plane, up to so many distances away, on all sides: no angle between
 two directions to them is as large as that, radians; at a straight edge it is pi. Makers' meshes have 0.6 to 0.75 of
 their samples then, and rest where they did (tests/standing/test_fine_meshes.py)."""
+
+_PLACES = 8
+"""Places of a box per row up to which rows are numbered by their places: an array of all places is not much larger."""
 
 _ROWS = 256
 """Samples whose distances to all others are measured together: ten megabytes."""
@@ -327,10 +331,15 @@ def _thinned(points: Array, normals: Array, part: Ints, distance: float) -> Ints
 
 
 def _numbered(rows: Ints) -> Ints:
-    """Return the number of each row (n, k) among the different rows in lexicographic order, (n,).
+    """Return a number for each row (n, k), (n,): equal for equal rows, and in lexicographic order.
 
-    As `np.unique(rows, axis=0, return_inverse=True)` does, which takes ten times as long for millions of rows.
+    As `np.unique(rows, axis=0, return_inverse=True)` does, which takes ten times as long for millions of rows, but not
+    without gaps: of rows in a box with few places it is the number of the place.
     """
+    if len(rows):
+        low, sides = rows.min(axis=0), np.ptp(rows, axis=0) + 1
+        if np.prod(sides.astype(float)) <= _PLACES * len(rows):
+            return np.asarray(np.ravel_multi_index(tuple((rows - low).T), tuple(sides)))
     number = np.zeros(len(rows), np.int64)
     for column in rows.T:
         _, value = np.unique(column, return_inverse=True)
