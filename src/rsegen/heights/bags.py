@@ -20,7 +20,7 @@ from rsegen.heights.coordinate_system import CellSides
 from rsegen.heights.measured import Measured
 from rsegen.input_files import open_regular
 from rsegen.params.extras import read_with
-from rsegen.params.sorts import Text
+from rsegen.params.sorts import CENTIMETRES, Text
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array
@@ -48,9 +48,6 @@ uint16 inner_start_index
 
 _MOST_TOPICS = 8
 """Topics, or layers, in a message at most."""
-
-_METRES = 100.0
-"""Centimetres of a metre."""
 
 TopicName = Annotated[
     str | None,
@@ -114,7 +111,7 @@ class Bag(Measured):
         """Return the heights of the layer in the last message that has any."""
         heights, resolution = read_with(BAG, path, lambda: self._last(path))
         cells = CellSides(resolution, resolution, 1.0) if resolution > 0 else None
-        return self.measured(path, heights * _METRES, unit_cm or USUAL_UNIT_CM, cells=cells)
+        return self.measured(path, heights * CENTIMETRES["m"], unit_cm or USUAL_UNIT_CM, cells=cells)
 
     def _last(self, path: Path) -> tuple[Array, float]:
         """Return the heights (n_x, n_y) of the last message, metres, and the side of its cells."""
