@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer as Ros1Writer
-from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import rsegen
@@ -20,6 +19,7 @@ from rsegen.field.stepfield import Array
 from rsegen.heights.bags import CLOUD, GRID_MAP, Bag
 from rsegen.heights.base import heights_in, reads
 from rsegen.recipe.recipe_file import load
+from tests.support.bags import write_bag
 
 INFO = "grid_map_msgs/msg/GridMapInfo"
 SIZES = "float64 resolution\nfloat64 length_x\nfloat64 length_y\ngeometry_msgs/Pose pose\n"
@@ -30,6 +30,8 @@ HUMBLE.register(get_types_from_msg(SIZES, INFO))
 HUMBLE.register(get_types_from_msg(f"std_msgs/Header header\ngrid_map_msgs/GridMapInfo info\n{REST}", GRID_MAP))
 NOETIC.register(get_types_from_msg(f"std_msgs/Header header\n{SIZES}", INFO))
 NOETIC.register(get_types_from_msg(f"grid_map_msgs/GridMapInfo info\n{REST}", GRID_MAP))
+
+bag = partial(write_bag, store=HUMBLE)
 
 LEVELS = np.random.default_rng(4).integers(0, 5, (7, 4)).astype(np.float64)
 
@@ -65,20 +67,6 @@ def message(
     if store is NOETIC:
         return kinds[GRID_MAP](info=kinds[INFO](header=header, **info), **values)
     return kinds[GRID_MAP](header=header, info=kinds[INFO](**info), **values)
-
-
-def bag(path: Path, topics: Mapping[str, Sequence[Any]], version: Literal[8, 9] = 9) -> Path:
-    """A bag of ROS 2 in a single file, with these messages; before version 9 it does not say what they are made of."""
-    plugin = StoragePlugin.MCAP if path.suffix == ".mcap" else StoragePlugin.SQLITE3
-    folder = path.parent / f"{path.stem}_folder"
-    with Writer(folder, version=version, storage_plugin=plugin) as writer:
-        for topic, messages in topics.items():
-            kind = messages[0].__msgtype__
-            connection = writer.add_connection(topic, kind, typestore=HUMBLE)
-            for number, content in enumerate(messages):
-                writer.write(connection, number, HUMBLE.serialize_cdr(content, kind))
-    (file,) = folder.glob(f"*{path.suffix}")
-    return file.rename(path)
 
 
 def ros1(path: Path) -> Path:

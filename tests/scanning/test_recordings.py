@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ import pye57
 import pytest
 import trimesh
 from rosbags.rosbag1 import Writer as Ros1Writer
-from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 import rsegen
@@ -23,11 +23,13 @@ from rsegen.field.stepfield import Array
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.meshes import seen_from_above
 from tests.scanning.test_meshes import LEVELS, blocks, slab
+from tests.support.bags import write_bag
 
 POINTS = seen_from_above(slab(0.02), (0, 0, 1)).points[:60_000]
 
 HUMBLE, NOETIC = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
 CLOUD = "sensor_msgs/msg/PointCloud2"
+bag = partial(write_bag, store=HUMBLE)
 
 
 def scanner(path: Path, *places: Sequence[float]) -> None:
@@ -97,20 +99,6 @@ def message(points: Array, store: Any = HUMBLE, form: str = "<f4", padding: int 
     return types[CLOUD](
         header, rows, 100, fields, form[0] == ">", kind.itemsize, lines.shape[1], lines.ravel(), is_dense=True
     )
-
-
-def bag(path: Path, topics: Mapping[str, Sequence[Any]]) -> None:
-    """A bag of ROS 2 in a single file, with these messages."""
-    plugin = StoragePlugin.MCAP if path.suffix == ".mcap" else StoragePlugin.SQLITE3
-    folder = path.parent / f"{path.stem}_folder"
-    with Writer(folder, version=9, storage_plugin=plugin) as writer:
-        for topic, messages in topics.items():
-            kind = messages[0].__msgtype__
-            connection = writer.add_connection(topic, kind, typestore=HUMBLE)
-            for number, content in enumerate(messages):
-                writer.write(connection, number, HUMBLE.serialize_cdr(content, kind))
-    (file,) = folder.glob(f"*{path.suffix}")
-    file.rename(path)
 
 
 def ros1(path: Path) -> None:
