@@ -173,6 +173,14 @@ def test_a_pointer_of_git_lfs_in_place_of_a_robots_mesh_is_named(refused: Refuse
     assert f"{mesh}: a pointer of Git LFS, and not the file itself" in refused("robot", "a.sdf")
 
 
+@pytest.mark.parametrize("mesh", ["a.stl", "a.obj"])
+def test_a_pointer_of_git_lfs_in_place_of_a_mesh_of_mujoco_is_named(refused: Refused, mesh: str) -> None:
+    Path(mesh).write_bytes(POINTER)
+    body = "<worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody>"
+    Path("a.xml").write_text(f"<mujoco><asset><mesh name='m' file='{mesh}'/></asset>{body}</mujoco>")
+    assert f"{mesh}: a pointer of Git LFS, and not the file itself" in refused("robot", "a.xml")
+
+
 def test_a_picture_of_more_than_16_bits(refused: Refused) -> None:
     Image.fromarray(np.array([[0, 70_000]], dtype=np.int32)).save("a.tif")
     assert "a.tif: grey values of 0..70000; use an image of 8 or 16 bits" in refused("import", "a.tif", "-o", "out")

@@ -18,7 +18,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import Triangles
-from rsegen.input_files import open_regular, silent_libraries, text_of, xml_root
+from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import SUFFIXES, binary_faces, inline_uri, refuse_large
 
@@ -79,6 +79,7 @@ def compiled(root: Element, where: str) -> Compiled:
 
 def _refuse_mesh(path: Path, content_type: str) -> None:
     """Raise a FileError for a mesh that MuJoCo does not read, or for which it takes long."""
+    refuse_pointer(path)
     if not (content_type or path.suffix).lower().endswith("stl"):
         refuse_large(path, os.path.getsize(path), "simplify it")
         return
