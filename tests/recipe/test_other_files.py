@@ -27,7 +27,7 @@ FILES: dict[str, tuple[bytes, str, tuple[str, ...]]] = {
     "cloud.laz": (b"LASF\0\xff", "a LAS or LAZ file", ("scan",)),
     "mesh.obj": (b"v 0 0 0\nf 1 1 1\n", "a .obj file", ("scan",)),
     "mesh.glb": (b"glTF\x02\0\0\0\xff", "a GLB file", ("scan",)),
-    "run.mcap": (b"\x89MCAP0\r\n", "a .mcap file", ("scan",)),
+    "run.mcap": (b"\x89MCAP0\r\n", "a .mcap file", ("import", "scan")),
     "robot.urdf": (b'<?xml version="1.0"?>\n<!-- of us -->\n<robot name="r"/>\n', "a robot in URDF", ("robot",)),
     "robot.sdf": (b'<sdf version="1.6"><model name="m"/></sdf>', "an SDF file", ("robot",)),
     "robot.xml": (b"<mujoco/>", "a model in MJCF", ("robot",)),
