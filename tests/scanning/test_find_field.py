@@ -173,7 +173,8 @@ def test_confidence_is_lower_where_points_are_few_and_far_from_a_level() -> None
 
     heights = np.array([[0.1, 0.1, 0.149], [np.nan, 0.2, 0.1]])
     counts = np.array([[400, 5, 5], [0, 400, 400]])
-    reading = Reading(heights=heights, counts=counts, slopes=np.zeros((2, 3)), spread=0.02, first=(0, 0))
+    level = np.zeros((2, 3))
+    reading = Reading(heights=heights, counts=counts, slopes=level, strays=level, spread=0.02, first=(0, 0))
     found = reading.confidence(0.1)
     sloping = replace(reading, slopes=np.full((2, 3), 0.04)).confidence(0.1)
     assert (sloping[reading.seen] < 0.9).all()

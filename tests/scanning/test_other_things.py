@@ -244,6 +244,7 @@ def scan_of(levels: Ints, confidence: float = 1.0) -> Scan:
         heights=levels / 10,
         confidence=np.full(levels.shape, confidence),
         counts=np.full(levels.shape, 50),
+        strays=np.zeros(levels.shape),
         frame=np.zeros(levels.shape, bool),
         boundary="none",
         chunk_size=None,
@@ -299,6 +300,29 @@ def test_what_has_no_tops_of_a_unit_is_no_field(scale: float) -> None:
     problem = "whole multiples of a unit|no grid of blocks|too few sides|one raised patch"
     with pytest.raises(ScanError, match=problem):
         find_field(cloud)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", [3, 12])
+def test_a_grid_of_whose_cells_many_have_two_heights_is_no_field(cells: int) -> None:
+    """A part of a machine may have edges on a grid, and others between them; on a field few things lie on blocks."""
+    rng = np.random.default_rng(cells)
+    field = replace(field_of(3, boundary="none"), unit=0.04)
+    across = rng.uniform(-0.2, 1.2, (2, 150_000))
+    (i, j), (x, y) = np.floor(across / 0.1).astype(int), across % 0.1 / 0.1
+    outside = (np.minimum(i, j) < 0) | (np.maximum(i, j) > 9)
+    heights = np.where(outside, 0, field.heights[i.clip(0, 9), j.clip(0, 9)])
+    rib = (np.abs(x - 0.58) < 0.11) & (np.abs(y - 0.45) < 0.3)  # neither on the lines of the cells, nor halfway
+    has_rib = np.zeros(100, bool)
+    has_rib[rng.choice(100, cells, replace=False)] = True
+    heights = heights + 0.08 * (rib & ~outside & has_rib.reshape(10, 10)[i.clip(0, 9), j.clip(0, 9)])
+    cloud = np.column_stack([*across, heights + rng.normal(0, 0.001, len(heights))])
+    if cells == 3:
+        right_turn(find_field(cloud), field)
+        return
+    with pytest.raises(ScanError, match=r"no field: \d+% of its cells have two heights, where a block has one"):
+        find_field(cloud)
+    assert find_field(cloud, ScanSettings(block_width=0.1)).levels.shape == (10, 10)
 
 
 @pytest.mark.slow

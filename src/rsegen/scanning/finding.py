@@ -26,7 +26,7 @@ from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import CENTIMETRES, Cell
-from rsegen.scanning.evidence import FEWEST_BITS, bits_saved, cells_per_block, times_narrower
+from rsegen.scanning.evidence import FEWEST_BITS, MOST_MIXED, bits_saved, cells_per_block, mixed_share, times_narrower
 from rsegen.scanning.extent import (
     FrameLayout,
     KnownFrameLayout,
@@ -85,6 +85,8 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
             raise ScanError(f"one raised patch of one height, in which nothing shows blocks, is no field; {advice}")
         if bits_saved(scan) < FEWEST_BITS:
             raise ScanError(f"no field: what is raised has too few sides to tell blocks from boxes; {advice}")
+        if (mixed := mixed_share(scan)) > MOST_MIXED:
+            raise ScanError(f"no field: {mixed:.0%} of its cells have two heights, where a block has one; {advice}")
     if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
         raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; set unit_cm if they are")
     return scan
@@ -246,6 +248,7 @@ class _Gridded:
             heights=part.heights,
             confidence=above.confidence(self.unit),
             counts=part.counts,
+            strays=part.strays,
             frame=frames.cells,
             boundary=frames.boundary,
             chunk_size=frames.side,

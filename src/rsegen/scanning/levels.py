@@ -64,13 +64,15 @@ class Reading:
     """Heights that a cloud has in the cells of a rectangle of its grid; all arrays (n_x, n_y).
 
     heights: of the tops above the ground [m], nan where too few points are; counts: points that agree on it;
-    slopes: standard deviation of these points beyond that of noise [m], 0 for a level top; spread: standard deviation
-    of one point [m]; first: the grid's indices of cell (0, 0).
+    slopes: standard deviation of these points beyond that of noise [m], 0 for a level top; strays: share of all points
+    that are more than half a unit off it; spread: standard deviation of one point [m]; first: the grid's indices of
+    cell (0, 0).
     """
 
     heights: Array
     counts: Ints
     slopes: Array
+    strays: Array
     spread: float
     first: Cell
 
@@ -111,20 +113,22 @@ class Reading:
     def part(self, corner: Cell, shape: Cell) -> Reading:
         """Return a rectangle of its cells; cells outside were not seen."""
         heights = np.full(shape, np.nan)
-        counts, slopes = np.zeros(shape, dtype=np.int64), np.zeros(shape)
+        counts, slopes, strays = np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape)
         own = tuple(
             slice(max(at, 0), max(min(at + cells, most), 0))
             for at, cells, most in zip(corner, shape, self.heights.shape, strict=True)
         )
         there = tuple(slice(cells.start - at, cells.stop - at) for cells, at in zip(own, corner, strict=True))
-        heights[there], counts[there], slopes[there] = self.heights[own], self.counts[own], self.slopes[own]
+        heights[there], counts[there] = self.heights[own], self.counts[own]
+        slopes[there], strays[there] = self.slopes[own], self.strays[own]
         first = self.first[0] + corner[0], self.first[1] + corner[1]
-        return replace(self, heights=heights, counts=counts, slopes=slopes, first=first)
+        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays, first=first)
 
     def quarter_turned(self, turns: int) -> Reading:
         """Return the reading turned counterclockwise by quarter turns about its middle; `first` is kept."""
-        heights, slopes = np.rot90(self.heights, turns), np.rot90(self.slopes, turns)
-        return replace(self, heights=heights, counts=np.rot90(self.counts, turns), slopes=slopes)
+        counts = np.rot90(self.counts, turns)
+        heights, slopes, strays = (np.rot90(each, turns) for each in (self.heights, self.slopes, self.strays))
+        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays)
 
 
 def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: float) -> Reading:
@@ -149,10 +153,13 @@ def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: f
     heights, counts, slopes, spread = _agreed(
         keys[core], points[core, 2], tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise)
     )
+    off = np.abs(points[core, 2] - heights[keys[core]]) > unit / 2  # of cells that were not seen none is
+    strays = np.bincount(keys[core], off, heights.size) / np.maximum(np.bincount(keys[core], minlength=heights.size), 1)
     return Reading(
         heights=heights.reshape(shape),
         counts=counts.reshape(shape),
         slopes=slopes.reshape(shape),
+        strays=strays.reshape(shape),
         spread=spread,
         first=(int(low[0]), int(low[1])),
     )

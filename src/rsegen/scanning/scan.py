@@ -50,7 +50,8 @@ class Scan:
     """The field that was found in a cloud. Arrays (n_x, n_y) have all its cells, frames counted.
 
     levels: -1 where a cell was not seen, 0 in frames; heights: of the tops as measured [m], nan where not seen;
-    confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top.
+    confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top;
+    strays: share of its points that are more than half a unit off it, 0 to 1.
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
     frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
     open_sides: sides next to which hardly a cell was seen, so that the field may be larger; none with frames or a size.
@@ -61,6 +62,7 @@ class Scan:
     heights: Array
     confidence: Array
     counts: Ints
+    strays: Array
     frame: Mask
     boundary: str
     chunk_size: int | None
