@@ -37,6 +37,11 @@ def test_every_spelling_of_a_drive_gives_the_same_wheels(tmp_path: Path, name: s
     assert drive.spread == pytest.approx(1)
 
 
+@pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
+def test_a_plug_in_that_stands_twice_in_a_file_has_each_wheel_once(tmp_path: Path, name: str) -> None:
+    assert read(tmp_path, two_wheels(PLUGINS[name] * 2)).drive == read(tmp_path, two_wheels(PLUGINS[name])).drive
+
+
 @pytest.mark.parametrize("axis", [1, -1])
 def test_wheels_that_the_user_names_are_measured_on_the_model(tmp_path: Path, axis: int) -> None:
     for text in ("left_hub,right_hub", "right_hub,left_hub"):

@@ -380,7 +380,7 @@ def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
 
 def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of tracks that have a TrackController each; the longest of a side is the main one."""
-    links = [link for link in dict.fromkeys(_named(plugin, ["link"])) if link in frames.elements]
+    links = [link for link in _named(plugin, ["link"]) if link in frames.elements]
     ys = [float(_middle(link, frames)[1]) for link in links]
     centre = (min(ys, default=0) + max(ys, default=0)) / 2
     longest = sorted(zip(links, ys, strict=True), key=lambda link: -_size(link[0], frames)[0])
@@ -534,8 +534,8 @@ def _number(element: Element, frames: ModelFrames, *paths: str) -> float | None:
 
 
 def _named(plugin: Element, tags: Iterable[str]) -> list[str]:
-    """Return the texts of elements with these tags, in the order of the tags."""
-    return [_text(element) for tag in tags for element in plugin.findall(tag)]
+    """Return the texts of elements with these tags, in the order of the tags, each once: files repeat a plug-in."""
+    return list(dict.fromkeys(_text(element) for tag in tags for element in plugin.findall(tag)))
 
 
 def _text(element: Element | None) -> str:
