@@ -179,3 +179,8 @@ def test_an_ending_of_gdal_is_read_by_a_plug_in_that_knows_it(monkeypatch: pytes
         importer_for(Path("ground.dem"))
     monkeypatch.setattr("rsegen.heights.base.IMPORTERS", {".dem": Table})
     assert importer_for(Path("ground.dem")) is Table
+
+
+def test_the_colours_of_a_map_count_alike(tmp_path: Path) -> None:
+    pure = np.diag([255, 255, 255])  # red, green and blue, as bright to map_server as a grey of 85
+    assert walls(tmp_path, pure[None]) == walls(tmp_path, np.array([[85, 85, 85]])) == [1, 1, 1]

@@ -150,18 +150,18 @@ _LEAST_KNOWN = 0.5
 """Share of a cell that has to be opaque: with less it is unknown, as it would be made up of its smaller part."""
 
 
-def brightness(path: Path, size: Cell | None = None) -> Array:
+def brightness(path: Path, size: Cell | None = None, *, alike: bool = False) -> Array:
     """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given.
 
     nan where it is unknown: more than half of a cell is transparent. Of others the opaque part counts, the more the
-    more opaque it is.
+    more opaque it is. alike: red, green and blue count alike, not as bright as they look
     """
     import numpy as np
 
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
-        rows, white, opaque_rows = _grey(path, image)
+        rows, white, opaque_rows = _grey(path, image, alike=alike)
 
     def means(of_pixels: Ints) -> Array:
         values = of_pixels[::-1].T
@@ -229,7 +229,7 @@ def _no_data(image: Image) -> float | None:
         return None
 
 
-def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
+def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints | None]:
     """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque.
 
     Pixels without data, as a GeoTIFF may have, are transparent.
@@ -254,6 +254,8 @@ def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
         image = image.convert("RGB")
     if none is not None:
         opaque = np.where((bands == none).all(axis=2), 0, _OPAQUE if opaque is None else opaque)
+    if alike:
+        return np.asarray(image.convert("RGB"), dtype=np.int64).sum(axis=2), 3 * 255.0, opaque
     return np.asarray(image.convert("L"), dtype=np.int64), 255.0, opaque
 
 
@@ -303,7 +305,7 @@ class OccupancyImage(Importer):
         image = path.parent / metadata["image"]
         if not image.exists() and (beside := path.parent / image.name).exists():
             raise FileError(f"{path}: image: {image} does not exist; set it to {beside.name}, which is in this folder")
-        bright = brightness(image)
+        bright = brightness(image, alike=True)
         probability = bright if metadata["negate"] else 1 - bright
         unknown = np.isnan(bright)  # where it is transparent
         if metadata["mode"] == "raw":
