@@ -367,7 +367,7 @@ def test_legs_stand_and_have_no_wheels_to_be_driven_by(tmp_path: Path) -> None:
             '<mujoco><worldbody><body nam="a"/></worldbody></mujoco>',
             "unrecognized attribute: 'nam', Element 'body', line 1",
         ),
-        ("<mujoco><include file='parts.xml'/></mujoco>", "parts.xml: No such file"),
+        ("<mujoco><include file='parts.xml'/></mujoco>", "parts.xml, and there is no such file"),
         (
             "<mujoco><worldbody><body><joint/></body></worldbody></mujoco>",
             "MuJoCo does not read it: Error: mass and inertia of moving bodies must be larger",

@@ -61,6 +61,10 @@ def test_it_stands_under_the_name_and_at_the_place_that_it_is_given(tmp_path: Pa
         ('<sdf version="1.6"><world name="w"/></sdf>', "one <model> in <sdf>"),
         ('<sdf version="1.6"><model name="mine"/></sdf>', "no <link>"),
         (MODEL.replace("mine", " "), "the model has no name"),
+        (
+            '<sdf><model name="m"><link name="l"><inertial><mass value="1"/></inertial></link></model></sdf>',
+            "its links and joints are of URDF; put them into <robot name='...'>, in place of <sdf>",
+        ),
     ],
 )
 def test_files_that_are_no_robot_are_refused_in_one_line(tmp_path: Path, text: str, says: str) -> None:

@@ -232,7 +232,10 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
             + JOINT.format("j", "fixed", "a", "b", "") + JOINT.format("k", "fixed", "a", "b", ""),
             "link 'b' is the child of two joints, 'j' and 'k'",
         ),
-        (HEAVY.format("a") + JOINT.format("j", "fixed", "a", "b", ""), "joint 'j': there is no link 'b'"),
+        (
+            HEAVY.format("a") + JOINT.format("j", "fixed", "a", "b", ""),
+            "joint 'j': there is no link 'b'; of a part of a robot, use the file that includes it",
+        ),
         (HEAVY.format("a") + '<joint name="j" type="fixed"/>', "joint 'j': there is no link ''"),
         (HEAVY.format("a") + JOINT.format("j", "planar", "a", "a", ""), "joint 'j': its type 'planar' is none of"),
         (HEAVY.format("a").replace('value="1"', 'value="nan"'), "link 'a': mass: 'nan' is not a number"),

@@ -131,6 +131,8 @@ def _refuse_traps(root: Element, where: str, folder: Path) -> None:
                 seen.add(path)
                 if len(seen) > _MOST_FILES:
                     raise FileError(f"{where}: includes more than {_MOST_FILES} files")
+                if not path.exists():
+                    raise FileError(f"{file}: includes {path}, and there is no such file")
                 waiting.append((xml_root(text_of(path, _MAX_MIB, "a part of a robot"), str(path)), str(path)))
 
 

@@ -70,6 +70,9 @@ _FIRST_WITH_MIMIC = 11
 
 NO_MIMIC = "<mimic> has no effect in Gazebo, so these joints move on their own, unless they are held"
 
+_OF_URDF = ("joint/parent[@link]", "link/inertial/mass[@value]")
+"""Elements that URDF has, and SDF has not: its own have texts."""
+
 _MOST_NAMES = 12
 """Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
 
@@ -386,6 +389,10 @@ def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
         raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {here}")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name; name it, or pass the file of the robot that includes it")
+    if any(models[0].find(path) is not None for path in _OF_URDF):
+        raise FileError(
+            f"{where}: its links and joints are of URDF; put them into <robot name='...'>, in place of <sdf>"
+        )
     version = root.get("version", "").strip()
     version = version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"  # for one that there is not
     # Before SDF 1.5 joints' axes are in the model's frame, which a world of a later version has to say.
