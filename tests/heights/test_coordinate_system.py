@@ -71,6 +71,8 @@ def test_the_units_of_a_text_in_wkt(text: str, wanted: CoordinateSystem) -> None
         ([*FEET, 4099, 0, 1, 9002], (), CoordinateSystem(metres=FOOT, metres_up=0.3048)),
         ([1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 1], (7.0, 0.9144), CoordinateSystem(metres=0.9144)),
         ([1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 9], (7.0,), CoordinateSystem()),
+        (METRES[:12], (), CoordinateSystem(metres=1.0)),
+        ([*METRES[:11], 2154], (), CoordinateSystem()),
         (METRES[:11], (), CoordinateSystem()),
         ([], (), CoordinateSystem()),
     ],

@@ -23,13 +23,17 @@ IN_METRES = "gdalwarp -t_srs {} FILE NEW.tif"
 _MOST_BYTES = 2**16
 """Bytes of a text in WKT that are read at most; that of a system has some thousand."""
 
-_MODEL_TYPE, _UNIT, _UNIT_SIZE, _UNIT_UP = 1024, 3076, 3077, 4099
-"""Keys of GeoTIFF: the type of the system, the code and the size of its unit, and the code of the unit of heights."""
+_MODEL_TYPE, _SYSTEM, _UNIT, _UNIT_SIZE, _UNIT_UP = 1024, 3072, 3076, 3077, 4099
+"""Keys of GeoTIFF: type and code of the system, the code and the size of its unit, and the code of that of heights."""
+
+_ZONES = (*range(32601, 32661), *range(32701, 32761), *range(25828, 25839))
+"""Codes of EPSG of the zones of UTM, of WGS 84 and of ETRS89: in metres, which MATLAB takes to be known."""
 
 _GEOGRAPHIC, _DOUBLES = 2, 34736
 """The type of a system of longitudes and latitudes, and the tag with the values of keys that are no integers."""
 
-_METRES = {9001: 1.0, 9002: 0.3048, 9003: 1200 / 3937}
+_METRE = 9001
+_METRES = {_METRE: 1.0, 9002: 0.3048, 9003: 1200 / 3937}
 """Metres of units by their codes of EPSG: metre, foot, and US survey foot."""
 
 _PLANE = {"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS"}
@@ -84,7 +88,8 @@ def of_keys(keys: Sequence[int], doubles: Sequence[float] = ()) -> CoordinateSys
             values[key] = doubles[value]
     is_geographic = values.get(_MODEL_TYPE) == _GEOGRAPHIC
     size = _length(values.get(_UNIT_SIZE))
-    metres = None if is_geographic else _METRES.get(int(values.get(_UNIT, 0)), size)
+    unit = values.get(_UNIT, _METRE if values.get(_SYSTEM) in _ZONES else 0)
+    metres = None if is_geographic else _METRES.get(int(unit), size)
     return CoordinateSystem(is_geographic, metres, _METRES.get(int(values.get(_UNIT_UP, 0))))
 
 
