@@ -42,6 +42,12 @@ def test_a_plug_in_that_stands_twice_in_a_file_has_each_wheel_once(tmp_path: Pat
     assert read(tmp_path, two_wheels(PLUGINS[name] * 2)).drive == read(tmp_path, two_wheels(PLUGINS[name])).drive
 
 
+@pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
+def test_a_plug_in_that_names_joints_which_are_not_there_is_told_of(tmp_path: Path, name: str) -> None:
+    robot = read(tmp_path, two_wheels(PLUGINS[name].replace("left_hub", "left_axle")))
+    assert robot.remarks == ("its plug-in names joints that it has not: left_axle",)
+
+
 @pytest.mark.parametrize("axis", [1, -1])
 def test_wheels_that_the_user_names_are_measured_on_the_model(tmp_path: Path, axis: int) -> None:
     for text in ("left_hub,right_hub", "right_hub,left_hub"):

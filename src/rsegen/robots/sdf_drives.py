@@ -356,9 +356,8 @@ def _sizes_by(it: str, *, separation: float | None, radius: float | None) -> str
 
 def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return a drive of wheels, which plug-ins of Gazebo and of ROS name by their joints."""
-    left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
-    missing = [joint for joint in (*left, *right) if joint not in frames.joints]
-    if not left or len(left) != len(right) or missing:
+    left, right = _joints(plugin)
+    if not left or len(left) != len(right) or not {*left, *right} <= frames.joints.keys():
         return None
     separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
@@ -369,6 +368,19 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
         return None
     drive = replace(read.drive, torque=_number(plugin, frames, *_TORQUES))
     return read._replace(drive=drive, limits_by="its model", turned=())
+
+
+def _joints(plugin: Element) -> tuple[list[str], list[str]]:
+    """Return the joints of wheels that a plug-in names, the left and the right ones."""
+    left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
+    return left, right
+
+
+def missing_joints(model: Element, frames: ModelFrames) -> list[str]:
+    """Return the joints that plug-ins of wheels name, and the model has not: it was changed, or they are left out."""
+    plugins = [plugin for plugin in _plugins(model, frames) if plugin_key(plugin.get("filename", "")) in KNOWN]
+    named = (joint for plugin in plugins for side in _joints(plugin) for joint in side)
+    return [joint for joint in dict.fromkeys(named) if joint not in frames.joints]
 
 
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:

@@ -42,6 +42,7 @@ from rsegen.robots.sdf_drives import (
     ReadDrive,
     find_drive,
     light_wheels,
+    missing_joints,
     named_tracks,
     named_wheels,
     plugin_key,
@@ -334,6 +335,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
+            (missing_joints(model, frames), "its plug-in names joints that it has not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
         )
         if names
