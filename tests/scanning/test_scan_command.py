@@ -62,6 +62,17 @@ def test_a_scan_becomes_a_world_a_sheet_and_a_picture(
 
 
 @pytest.mark.slow
+def test_blocks_longer_than_the_stock_get_no_sheet_unasked(
+    cloud: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.savetxt(tmp_path / "inches.xyz", np.loadtxt(cloud) / 0.0254)
+    assert main(["scan", str(tmp_path / "inches.xyz"), "-o", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out
+    assert "set the unit of the numbers (--values mm, cm or in)" in said
+    assert "no build sheet: stock_cm: 240 is too short" in said
+
+
+@pytest.mark.slow
 def test_a_scan_says_which_block_to_change(cloud: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wanted = str(cloud.parent / "wanted.yaml")
     assert main(["compare", str(cloud), wanted, "-o", str(tmp_path / "off.png"), "--json"]) == 1

@@ -27,6 +27,7 @@ from rsegen.params.sorts import FilePath, parameters
 from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.scan_options import CLOUDS, ScanOptions
+from rsegen.writing.sidecars import Sidecars
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Mask
@@ -82,8 +83,8 @@ def run_scan(arguments: argparse.Namespace) -> Report:
     recipe = with_flags(scanned.recipe, arguments)
     scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
     name, sure = f"{recipe.name}_fit.png", f"{recipe.name}_confidence.csv"
-    pallets = recipe.chunks[0] * recipe.chunks[1]
-    arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
+    no_sheet = "" if arguments.sheet else _no_sheet(recipe)
+    arguments.sheet = not no_sheet
     where = fit.path if fit else f"{arguments.folder}/{name}"
     files = {"fit": str(where), "confidence": f"{arguments.folder}/{sure}"}
     beside: dict[str, Callable[[], bytes]] = {
@@ -96,9 +97,21 @@ def run_scan(arguments: argparse.Namespace) -> Report:
         fit.write(scanned.picture)
     lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {where}"]
     lines.append(f"the confidence of each level, 0 where a block was not seen: {files['confidence']}")
-    if not arguments.sheet:
-        lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
+    if no_sheet:
+        lines.append(f"no build sheet: {no_sheet}")
     return replace(report, notes=lines)
+
+
+def _no_sheet(recipe: Recipe) -> str:
+    """Return why no build sheet is written unasked; nothing if one is."""
+    pallets = recipe.chunks[0] * recipe.chunks[1]
+    if pallets > _MOST_PALLETS:
+        return f"it would have a page for each of {pallets} chunks; --sheet writes it"
+    try:
+        Sidecars.of({"sheet": True}).refuse(recipe)
+    except ParameterError as error:
+        return str(error)
+    return ""
 
 
 def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iterator[str]:
