@@ -78,6 +78,13 @@ def test_a_file_of_no_known_format_is_refused_with_the_known_ones() -> None:
         importer_for(Path("heights.xlsx"))
 
 
+def test_the_folder_of_a_bag_is_refused_with_the_file_to_use(tmp_path: Path) -> None:
+    for name in ("metadata.yaml", "walk_0.mcap"):
+        (tmp_path / name).touch()
+    with pytest.raises(FileError, match=r"a folder; use a file in it, such as .*walk_0\.mcap"):
+        importer_for(tmp_path)
+
+
 @given(levels=LEVELS, unit_cm=st.sampled_from([10, 1, 8.5]))
 def test_exported_heights_are_imported_unchanged(
     levels: np.ndarray, unit_cm: float, tmp_path_factory: pytest.TempPathFactory

@@ -326,12 +326,19 @@ _OF_GDAL = (".dem", ".hgt", ".nc", ".img", ".vrt", ".adf", ".bil", ".flt", ".grd
 """Endings of files with ground, of which GDAL makes images."""
 
 
+def _is_heights(path: Path) -> bool:
+    """Return whether an importer reads a file, by its name; the file that says what is in a bag of ROS 2 has none."""
+    return path.suffix.lower() in IMPORTERS and path.name != "metadata.yaml"
+
+
 def importer_for(path: Path) -> type[Importer]:
     """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
     importer = IMPORTERS.get(path.suffix.lower())
     if not importer:
         if path.suffix.lower() in _OF_GDAL:
             raise FileError(f"{path}: write it as GeoTIFF with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`")
+        if path.is_dir() and (inside := min((file.name for file in path.iterdir() if _is_heights(file)), default="")):
+            raise FileError(f"{path}: a folder; use a file in it, such as {path / inside}")
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     return importer
 
