@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from rsegen.errors import FileError
 from rsegen.robots.drives import Wheels
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import two_wheels
-from tests.robots.urdf_robots import two_wheels_urdf
+from tests.robots.urdf_robots import Limb, tree, two_wheels_urdf
 
 PART = '<mass value="0.2"/><inertia ixx="5e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="8e-4"/>'
 HUNG = """\
@@ -163,3 +164,17 @@ def test_a_pose_that_is_none_is_named_with_its_element(tmp_path: Path, old: str,
         from_file(file)
     assert f"cart.sdf: {says}: " in str(caught.value)
     assert "is not 6 numbers" in str(caught.value)
+
+
+def test_the_motors_of_an_arm_are_no_wheels(tmp_path: Path) -> None:
+    """Two joints across, one on the other, one to the left of the other, as a pendulum with two motors has them."""
+    base, across, middle, stick = (0.0,) * 6, (0, 0, math.pi / 2), (0, 0, 0.45, 0, 0, 0), (0.1, 0.1, 1)
+    limbs = [
+        Limb(0, "", base, across, 1, middle, stick),
+        Limb(0, "continuous", (0, 0.1, 0.9, 0, 0, 0), across, 1, middle, stick),
+        Limb(1, "continuous", (0, 0.1, 0.9, 0, 0, 0), across, 1, middle, stick),
+    ]
+    motors = "".join(f'<joint name="j{joint}"><command_interface name="velocity"/></joint>' for joint in (1, 2))
+    file = tmp_path / "arm.urdf"
+    file.write_text(tree(limbs, CONTROL.format(motors)))
+    assert from_file(file).read_drive is None

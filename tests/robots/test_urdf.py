@@ -234,7 +234,7 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
         ),
         (
             HEAVY.format("a") + JOINT.format("j", "fixed", "a", "b", ""),
-            "joint 'j': there is no link 'b'; of a part of a robot, use the file that includes it",
+            "joint 'j': there is no link 'b'; if it is a part of a robot, use the file of the robot",
         ),
         (HEAVY.format("a") + '<joint name="j" type="fixed"/>', "joint 'j': there is no link ''"),
         (HEAVY.format("a") + JOINT.format("j", "planar", "a", "a", ""), "joint 'j': its type 'planar' is none of"),

@@ -80,6 +80,10 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
         ('<gazebo><a b="$(find none_description)/x"/></gazebo>', "the package none_description is not found"),
         ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
         (
+            '<gazebo reference="${of_another_part}"/>',
+            "'of_another_part'; if it is a part of a robot, use the file of the robot that includes it",
+        ),
+        (
             "<xacro:box_inertia/>",
             "xacro:box_inertia; if it is a part of a robot, use the file of the robot that includes it",
         ),

@@ -232,7 +232,10 @@ def _is_along_y(joint: str, frames: ModelFrames) -> bool:
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
-    """Return the joints that are endless, along y, and not on one that turns about an upright axis, as a caster is."""
+    """Return the joints that are endless, along y, and not on one that turns about an upright axis, as a caster is.
+
+    Nor do they carry another of them, as the joints of an arm do.
+    """
     above = {frames.child(name): name for name in frames.joints}
     swivels: dict[str, bool] = {}  # whether a link is turned about an upright axis
 
@@ -248,13 +251,13 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
             swivels[part] = turned
         return turned
 
-    return [
+    rolling = [
         joint
         for joint in joints
-        if is_endless(frames.joints[joint])
-        and abs(frames.axis(joint)[1]) >= _ALONG
-        and not is_swivelling(frames.parent(joint))
+        if is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and not is_swivelling(frames.parent(joint))
     ]
+    carrying = {frames.parent(joint) for joint in rolling}
+    return [joint for joint in rolling if frames.child(joint) not in carrying]
 
 
 def is_wheel(joint: str, frames: ModelFrames) -> bool:

@@ -213,9 +213,8 @@ def _joint(name: str, joint: Element, links: Mapping[str, Element], where: str) 
     parent, child = (_attribute(joint.find(tag), "link") for tag in ("parent", "child"))
     for link in (parent, child):
         if link not in links:
-            raise FileError(
-                f"{here}: there is no link {shown(link)}; of a part of a robot, use the file that includes it"
-            )
+            part = "if it is a part of a robot, use the file of the robot that includes it"
+            raise FileError(f"{here}: there is no link {shown(link)}; {part}")
     return _Joint(name, kind, parent, child, joint, _origin(joint, here))
 
 

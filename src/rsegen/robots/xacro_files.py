@@ -181,10 +181,11 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     undefined = re.search(r"Undefined substitution argument (\w+)", reason)
     if undefined:
         return f"{reason}; pass it after the file, as in 'FILE {undefined[1]}:=VALUE'"
-    if missing and ("nknown macro" in reason or "is not defined" in reason):
+    is_elsewhere = "nknown macro" in reason or "is not defined" in reason
+    if is_elsewhere and missing:
         advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
         return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"
-    if "nknown macro" in reason:  # as in a part of a robot, whose macros are in other parts
+    if is_elsewhere:  # as in a part of a robot, whose macros are in other parts
         return f"{reason}; if it is a part of a robot, use the file of the robot that includes it"
     return reason
 
