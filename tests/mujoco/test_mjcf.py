@@ -9,8 +9,10 @@ import pytest
 
 from rsegen.cli.edge import main
 from rsegen.mujoco.turning import on_flat_ground, turn_gain, turned_within
+from rsegen.robots.parameters import MOTORS
 from rsegen.robots.sdf_file import from_file
-from tests.robots.mjcf_robots import BALL, two_wheels_mjcf
+from tests.mujoco.worlds import world_of
+from tests.robots.mjcf_robots import BALL, DEFAULTS, two_wheels_mjcf
 
 
 @pytest.mark.parametrize("ball", [BALL, BALL.replace("-0.15", "0.15")])
@@ -32,6 +34,20 @@ def test_it_drives_as_far_as_it_is_told_and_touches_the_ground(tmp_path: Path, b
     world.drive("robot", robot, 0.0, 0.5)
     world.step(300)
     assert turned_within(world, 2.0) == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("motors", MOTORS)
+def test_the_damping_of_its_wheels_does_not_push_it_back(tmp_path: Path, motors: str) -> None:
+    file = two_wheels_mjcf(tmp_path)
+    damped = DEFAULTS.replace('damping="0.01" armature="0.001"', 'damping="0.3"').replace("-1.5 1.5", "-5 5")
+    (tmp_path / "defaults.xml").write_text(damped)
+    robot = from_file(file)
+    world = world_of(robot, motors=motors)
+    world.step(500)
+    world.drive("robot", robot, 0.3, 0.0)
+    contacts = world.step_with_contacts(1000)
+    assert len(contacts) >= 3
+    assert world.poses()["robot"].x == pytest.approx(0.3, abs=0.05)
 
 
 def test_a_drive_of_its_file_crosses_a_flat_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,7 +28,7 @@ from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import bounds, read_mesh, simplified
 from rsegen.robots.mimics import mimics
-from rsegen.robots.sdf_drives import motor
+from rsegen.robots.sdf_drives import is_damped_at_the_end, motor
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
 from rsegen.simulators.embedded import PlacedRobot
 
@@ -76,7 +76,8 @@ class WheelMotor(NamedTuple):
     """The motor of a wheel, named as its joint.
 
     side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm;
-    sense: of the joint's axis, 1 if it points to the left, -1 if to the right
+    sense: of the joint's axis, 1 if it points to the left, -1 if to the right; is_freed: whether a motor as Classic has
+    it overcomes the damping of its joint, as there
     """
 
     side: int
@@ -84,6 +85,7 @@ class WheelMotor(NamedTuple):
     torque: float | None
     friction: float
     sense: int
+    is_freed: bool
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -474,11 +476,13 @@ class _Builder:
         drive = self.model.drive
         if isinstance(drive, Wheels):
             for side, joint in (*((0, joint) for joint in drive.left), *((1, joint) for joint in drive.right)):
-                friction = self._number(self._frames.joints[joint], "axis/dynamics/friction") or 0.0
+                element = self._frames.joints[joint]
+                friction = self._number(element, "axis/dynamics/friction") or 0.0
                 torque = motor(drive, joint, self._frames).torque
                 name = f"{self.model.name}/{joint}"
                 sense = 1 if self._frames.axis(joint)[1] > 0 else -1
-                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense))
+                is_freed = is_damped_at_the_end(element)
+                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense, is_freed))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
 
 

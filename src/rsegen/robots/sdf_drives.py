@@ -260,6 +260,11 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     return [joint for joint in rolling if frames.child(joint) not in carrying]
 
 
+def is_damped_at_the_end(joint: Element) -> bool:
+    """Return whether a joint is damped at the end of a step, as in MuJoCo, whose motors overcome that."""
+    return joint.find("physics/ode/implicit_spring_damper") is not None
+
+
 def is_wheel(joint: str, frames: ModelFrames) -> bool:
     """Return whether a joint turns what is round about it and on the ground, without end, about an axis along y."""
     return is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and _wheel_radius(joint, frames) > 0

@@ -41,6 +41,7 @@ from rsegen.robots.sdf_drives import (
     TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
+    is_damped_at_the_end,
     light_wheels,
     missing_joints,
     named_tracks,
@@ -508,7 +509,7 @@ def _free_wheels(model: Element, drive: Drive | None) -> None:
     """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
     wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
     for joint in model.findall("joint"):
-        if joint.get("name") in wheels and joint.find("physics/ode/implicit_spring_damper") is not None:
+        if joint.get("name") in wheels and is_damped_at_the_end(joint):
             for dynamics in joint.findall("axis/dynamics"):
                 for damping in dynamics.findall("damping"):
                     dynamics.remove(damping)
