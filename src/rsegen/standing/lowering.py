@@ -9,17 +9,19 @@ where the robot's drive ends, and nowhere else, so a lane stays as rough as the 
    it is one unit, the highest blocks there are lowered by one.
 3. Again, with the pieces that have changed, until all are driven; then the lane as a whole, from side to side.
 
-Of these lanes the one with the fewest lowered units counts, first those with blocks in at least half of their cells. If
-the robot climbs no block of one unit, or no lane is driven, a lane is made level.
+Two lanes are lowered at a time, the most even ones first. The first one counts that is driven with room to spare and
+has blocks in most of its cells, of two the one with fewer lowered units; else one with fewer blocks; else one that is
+driven at all. If the robot climbs no block of one unit, or no lane is driven, a lane is made level.
 
 Cost: some seconds; some thousand poses. What breaks it: what breaks lanes, above all robots that are turned.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -53,11 +55,11 @@ _FIRST_LANES, _LANES = 2, 8
 """Straight lanes that are driven at a time, first and then: few, as one of the first, most even ones is mostly
 driven to its end, but enough for one call."""
 
-_ON_BLOCKS = 0.5
-"""Least share of the cells of a lane that have blocks, where that can be."""
+_ON_BLOCKS = 0.6
+"""Least share of the cells of a lane that have blocks, where that can be: wheels are then on blocks half of the way."""
 
-_TRIED = 2
-"""Lanes that are lowered, of which the best one counts."""
+_TRIED, _MOST_TRIED = 2, 8
+"""Lanes that are lowered at a time, and at most: further ones if none of these has its blocks left."""
 
 _DRIVEN = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
 """Variants in which a piece is driven: on the lane, to either side of it, and turned to either side."""
@@ -92,21 +94,25 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
             return None
         driven, count = min(driven + count, len(middles)), _LANES
         report_share(search, (axis + driven / len(middles) / 2) / 2)
-    *rough, level = _lowered_lanes(turned, body, lines, aside, search, axis)
-    for line, levels in (*rough, level):
+    chosen: Ints | None = None
+    for line, levels in _lowered_lanes(turned, body, lines, aside, search, axis):
         lane = slice(max(line - aside, 0), line + aside + 1)
         caps = np.full(turned.shape, NO_CAP)
         caps[:, lane] = np.where(turned.frame[:, lane], NO_CAP, levels)
         caps = caps if axis == 0 else caps.T
         lowered = replace(field, levels=np.minimum(field.levels, caps).astype(np.int16))
         middle = np.array([field.edges()[1 - axis][line] + field.block_width / 2])
-        if straight_lane(lowered, body, axis, middle) is not None:
-            # Between other blocks, even a level lane may have less room than was asked for.
-            return caps if (field.levels > caps).any() else None
-    raise ParameterError(
-        "crossable_by",
-        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; use boundary none or lower frames",
-    )
+        if _is_safe(lowered, body, axis, middle):
+            chosen = caps
+            break
+        if chosen is None and straight_lane(lowered, body, axis, middle) is not None:
+            chosen = caps  # between other blocks, even a level lane may have less room than was asked for
+    if chosen is None:
+        high = f"{100 * field.frame_height:g} cm"
+        raise ParameterError(
+            "crossable_by", f"{robot.kind} cannot cross frames of {high}; use boundary none or lower frames"
+        )
+    return chosen if (field.levels > chosen).any() else None
 
 
 def _is_safe(field: StepField, body: Body, axis: int, middles: Array) -> bool:
@@ -117,24 +123,51 @@ def _is_safe(field: StepField, body: Body, axis: int, middles: Array) -> bool:
 
 def _lowered_lanes(
     field: StepField, body: Body, lines: list[int], aside: int, search: str, axis: int
-) -> list[tuple[int, Ints]]:
-    """Return lines of cells along x with lowered levels of their lanes, from the best to a level one."""
+) -> Iterator[tuple[int, Ints]]:
+    """Yield lines of cells along x with lowered levels of their lanes, the best first; the last lane is a level one."""
+    robot, rest = careful(field, body), list[_Lowered]()
+    if robot is not None:  # else it climbs none of blocks as high as these
+        least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
+        for done in range(0, min(len(least), _MOST_TRIED), _TRIED):
+            tried = [line for _, line in least[done : done + _TRIED]]
+            watch = partial(_report_lowering, search, axis, done // _TRIED)
+            strips = _Strips.of(field, tried, aside).smoothed(robot, watch)
+            lanes = [_lowered(field, *each, aside) for each in zip(tried, strips, strict=True)]
+            for lane in sorted(lanes, key=_preference):
+                if (lane.levels > 0).mean() < _ON_BLOCKS:
+                    rest.append(lane)
+                else:
+                    yield lane.line, lane.levels
+    yield from ((lane.line, lane.levels) for lane in sorted(rest, key=_preference))
     _, line = min((_units(field, line, aside, _lane_levels(field, line, aside, 0)), line) for line in lines)
-    level = line, _lane_levels(field, line, aside, 0)
-    robot = careful(field, body)
-    if robot is None:  # of blocks as high as these it climbs none
-        return [level]
-    least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
-    tried = [line for _, line in least[:_TRIED]]
-    strips = _Strips.of(field, tried, aside)
-    lowered = strips.smoothed(robot, lambda share: report_share(search, (axis + 0.5 + share / 2) / 2))
-    ranked = []
-    for line, levels in zip(tried, lowered, strict=True):
-        first, count = max(aside - line, 0), len(field.levels[0, max(line - aside, 0) : line + aside + 1])
-        own = levels[:, 1:-1][:, first : first + count]
-        is_level = float((own > 0).mean()) < _ON_BLOCKS
-        ranked.append((is_level, _units(field, line, aside, own), line, own))
-    return [*((line, own) for *_, line, own in sorted(ranked, key=lambda lane: lane[:3])), level]
+    yield line, _lane_levels(field, line, aside, 0)
+
+
+class _Lowered(NamedTuple):
+    """A lane about a line of cells along x with lower levels, and by how many units in all its blocks are lower."""
+
+    units: int
+    line: int
+    levels: Ints
+
+
+def _preference(lane: _Lowered) -> tuple[int, int]:
+    """Return what comes first: the fewest units, and of equals the first line."""
+    return lane.units, lane.line
+
+
+def _lowered(field: StepField, line: int, strip: Ints, aside: int) -> _Lowered:
+    """Return a lane out of a strip, without the cells beside it and those outside the field."""
+    first, count = max(aside - line, 0), len(field.levels[0, max(line - aside, 0) : line + aside + 1])
+    levels = strip[:, 1:-1][:, first : first + count]
+    return _Lowered(_units(field, line, aside, levels), line, levels)
+
+
+def _report_lowering(search: str, axis: int, before: int, share: float) -> None:
+    """Report how much of the search is done: lowering is the second half of an axis, and the first lanes are half of
+    that, the next ones half of the rest; `before` of them are done.
+    """
+    report_share(search, (axis + 1 - (1 - share / 2) / 2 ** (before + 1)) / 2)
 
 
 def _units(field: StepField, line: int, aside: int, levels: Ints) -> int:
