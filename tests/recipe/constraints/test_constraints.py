@@ -279,6 +279,19 @@ def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
 
 
 @pytest.mark.slow
+def test_further_lanes_are_lowered_until_one_keeps_its_blocks() -> None:
+    """On this map the first two lanes from west to east would both be nearly level."""
+    rough = recipe(seed=55500004, boundary="none", unit_cm=3, obstacles=(rsegen.Random(levels=5),))
+    made = rsegen.build(replace(rough, crossable_by="jackal"))
+    body = ROBOTS["jackal"].body
+    middle = straight_lane(made, body, 0)
+    assert middle is not None
+    y = made.edges()[1]
+    under = (y[1:] > middle - body.width / 2) & (y[:-1] < middle + body.width / 2)
+    assert (made.levels[:, under] > 0).mean() > 0.5
+
+
+@pytest.mark.slow
 @pytest.mark.long(reason="lanes are lowered in make test")
 def test_a_robot_that_climbs_no_block_gets_level_lanes() -> None:
     made = recipe(boundary="none", chunk_size=5, crossable_by="burger")
