@@ -54,6 +54,11 @@ def test_what_is_assumed_is_said_and_effort_and_friction_are_the_joints(
     assert found["friction"][0] == "0.6 to 1"
     named = figures(capsys, str(file), "--wheels", "right_hub,left_hub")
     assert named["drive"] == ("left_hub and right_hub", "their names")
+    file.write_text(text.replace("<mu1>1</mu1>", "<mu1>100000</mu1>"))
+    assert figures(capsys, str(file))["friction"] == (
+        "1",
+        "<mu> of what it drives on, 1 if missing; 100000 acts as 1, as blocks have no more",
+    )
 
 
 @pytest.mark.parametrize(

@@ -214,12 +214,12 @@ def depths(shape: tuple[int, int] = (6, 8)) -> Array:
     return np.arange(1000.0, 1000 + 10 * shape[0] * shape[1], 10).reshape(shape)
 
 
-@pytest.mark.parametrize("name", ["depth.png", "depth.tif", "depth.npy"])
+@pytest.mark.parametrize("name", ["depth.png", "depth.tif", "depth.npy", "with_a_channel.npy"])
 def test_a_depth_image_is_seen_through_its_camera(name: str, tmp_path: Path) -> None:
     depth = depths().astype(np.uint16)
     depth[0, 0] = 0  # a hole
     if name.endswith("npy"):
-        np.save(tmp_path / name, depth)
+        np.save(tmp_path / name, depth[..., None] if name.startswith("with") else depth)
     else:
         Image.fromarray(depth).save(tmp_path / name)
     found = read_clouds([tmp_path / name], intrinsics=(4.0, 5.0, 3.5, 2.5)).points

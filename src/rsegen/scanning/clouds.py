@@ -195,6 +195,7 @@ def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
 def _array(path: Path) -> tuple[Array, str]:
     """Return points, of which an array may have more than x, y, z, or names for them, or depths."""
     array = mapped(path)
+    array = array[..., 0] if array.ndim == 3 and array.shape[2] == 1 else array  # depths with a channel
     fields = {name.lower(): name for name in array.dtype.names or ()}
     if fields.keys() >= set("xyz") and all(array.dtype[fields[axis]].kind in "iuf" for axis in "xyz"):
         _refuse_many(path, array.size)
