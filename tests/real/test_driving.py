@@ -69,10 +69,11 @@ def go_straight(shape: Shape, others: float, gazebo_classic: Installation, folde
 
 
 @pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
-@pytest.mark.parametrize("shape", [{}, {"mesh": "watertight"}], ids=shape_name)
+@pytest.mark.parametrize("shape", [{}, {"mesh": "watertight"}, {"mesh": "blocks"}], ids=shape_name)
 def test_a_burger_goes_straight_over_equal_blocks_in_sim(
     shape: Shape, others: float, gazebo_sim: Installation, tmp_path: Path
 ) -> None:
+    """Also over the walls between blocks, at whose edges its caster would be held if it were a ball there."""
     ways = driven_in_sim(lanes(others), gazebo_sim, tmp_path, shape)
 
     assert_full_way(ways)
@@ -84,12 +85,6 @@ def test_a_burger_goes_straight_on_the_bare_ground_in_sim(gazebo_sim: Installati
 
     assert_full_way(ways)
     assert max(abs(way.aside) for way in ways.values()) <= 0.00005, ways
-
-
-def test_six_faces_a_block_lead_a_burger_astray_in_sim(gazebo_sim: Installation, tmp_path: Path) -> None:
-    ways = driven_in_sim(lanes(1.0), gazebo_sim, tmp_path, {"mesh": "blocks"})
-
-    assert max(abs(way.aside) for way in ways.values()) > 0.05, ways
 
 
 def bounds(shape: Shape) -> tuple[float, float]:

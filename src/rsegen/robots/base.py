@@ -19,6 +19,7 @@ from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.robots.simulator_shapes import with_capsules
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import RobotOnField
 
@@ -78,7 +79,7 @@ class Robot(RobotOnField):
             topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
             odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
             plugins += [odometry, pose_publisher(simulator)]
-        return self.assembled(name, sensors, plugins, at)
+        return with_capsules(self.assembled(name, sensors, plugins, at), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
         """Return its <model> without plug-ins, for a simulator that drives it by itself."""

@@ -25,7 +25,6 @@ from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
-from rsegen.robots.classic_shapes import use_shapes_of_classic
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels, pose_publisher
 from rsegen.robots.holding import hold, turn_to_the_left
@@ -51,6 +50,7 @@ from rsegen.robots.sdf_drives import (
     steered_wheels,
 )
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials, take_out_flat
+from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -172,7 +172,7 @@ class SdfRobot(RobotOnField):
             use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         _make_drivable(model, self, name, simulator)
-        return _outer(model)
+        return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, for a simulator that drives it by itself.
@@ -196,7 +196,7 @@ class SdfRobot(RobotOnField):
         self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
             hold(model, None, follows=False)
-        return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
+        return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{with_capsules(_outer(model), simulator)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
         """Return the command for speed v forward, m/s, and turn rate w, rad/s."""

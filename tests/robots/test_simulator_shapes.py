@@ -1,4 +1,4 @@
-"""Robots whose shapes Gazebo Classic lacks: in the shapes that it has, the same in space, or refused in one line."""
+"""Shapes that a Gazebo lacks, or in which it is wrong: in those that it has, the same in space, or refused."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from rsegen.errors import FileError
+from rsegen.robots.base import ROBOTS
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import from_file
 from tests.robots.mjcf_robots import two_wheels_mjcf
 from tests.robots.two_wheels import two_wheels
@@ -86,3 +88,21 @@ def test_the_damping_that_a_motor_of_mujoco_overcomes_does_not_brake_the_wheels_
 
     assert dampings(robot.model("rover", "classic")) == [None, None]
     assert dampings(robot.model("rover", "sim")) == ["0.01", "0.01"]
+
+
+@pytest.mark.parametrize("backend", ["sim", "fortress"])
+@pytest.mark.parametrize("name", ["burger", "of a file"])
+def test_balls_that_touch_are_capsules_in_gazebo_sim(tmp_path: Path, name: str, backend: str) -> None:
+    robot: DrivableRobot = from_file(two_wheels_mjcf(tmp_path)) if name == "of a file" else ROBOTS[name]
+
+    def solids(simulator: str, tag: str) -> list[Element]:
+        return [next(shape.iterfind("geometry/*")) for shape in fromstring(robot.model("mine", simulator)).iter(tag)]
+
+    balls = 0
+    for had, has in zip(solids("classic", "collision"), solids(backend, "collision"), strict=True):
+        balls += had.tag == "sphere"
+        assert has.tag == ("capsule" if had.tag == "sphere" else had.tag)
+        assert has.findtext("radius") == had.findtext("radius")
+        assert float(has.findtext("length") or 0) < 1e-4 or had.tag == "cylinder"
+    assert balls
+    assert "capsule" not in {look.tag for look in solids(backend, "visual")}
