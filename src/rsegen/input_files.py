@@ -162,6 +162,11 @@ _DEEPEST = 200
 """Levels of elements in each other; an SDF file has some ten."""
 
 
+def first_inside(path: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
+    """Return the first wanted file in a folder, by its name; None if there is none, or if it is no folder."""
+    return min(filter(is_wanted, path.iterdir()), default=None) if path.is_dir() else None
+
+
 def unreadable(path: Path, error: OSError) -> str:
     """Return the message of a file that cannot be read; if a relative path leads nowhere, with the current folder."""
     here = f" in {Path.cwd()}" if isinstance(error, FileNotFoundError) and not path.is_absolute() else ""

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rsegen.cli.parameters import RESERVED_FLAGS
 from rsegen.errors import FileError, ParameterError
+from rsegen.input_files import first_inside
 from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import CENTIMETRES as UNITS
 from rsegen.params.sorts import Cell, validate
@@ -337,8 +338,8 @@ def importer_for(path: Path) -> type[Importer]:
     if not importer:
         if path.suffix.lower() in _OF_GDAL:
             raise FileError(f"{path}: write it as GeoTIFF with `gdal_translate -b 1 -ot Float32 FILE NEW.tif`")
-        if path.is_dir() and (inside := min((file.name for file in path.iterdir() if _is_heights(file)), default="")):
-            raise FileError(f"{path}: a folder; use a file in it, such as {path / inside}")
+        if inside := first_inside(path, _is_heights):
+            raise FileError(f"{path}: a folder; use a file in it, such as {inside}")
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     return importer
 

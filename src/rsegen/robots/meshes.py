@@ -151,6 +151,12 @@ def mesh_bounds(path: Path) -> tuple[Array, Array]:
     return bounds(np.asarray(corners, dtype=np.float64).reshape(-1, 3))
 
 
+def simplified_to(mesh: Triangles, parts: int) -> Triangles:
+    """Return a mesh of many faces simplified to so many cubes along its diagonal; others as given."""
+    low, high = bounds(mesh.points)
+    return simplified(mesh, float(np.linalg.norm(high - low)) / parts)
+
+
 def bounds(points: Array) -> tuple[Array, Array]:
     """Return the lowest and the highest place of points (n, 3), axis by axis: a sixth of the time of all at once."""
     low, high = (np.array([least(column) for column in points.T]) for least in (np.min, np.max))

@@ -245,8 +245,8 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
     shapes_of = [collision for link, collision, _ in frames.collisions() if link in links]
     mu = sorted({float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes_of})
-    acting = dict.fromkeys(min(value, 1.0) for value in mu)
-    limits = " to ".join(f"{value:g}" for value in dict.fromkeys((min(acting), max(acting)))) if acting else "none"
+    acting = dict.fromkeys(min(value, 1.0) for value in (*mu[:1], *mu[-1:]))
+    limits = " to ".join(f"{value:g}" for value in acting) or "none"
     more = f"; {mu[-1]:g} acts as 1, as blocks have no more" if mu and mu[-1] > 1 else ""
     yield Figure(name="friction", value=limits, origin=f"<mu> of what it drives on, 1 if missing{more}")
 

@@ -16,7 +16,7 @@ import numpy as np
 from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.meshes import bounds, read_mesh, simplified
+from rsegen.robots.meshes import read_mesh, simplified_to
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of
 from rsegen.scene.colours import Colour
@@ -142,9 +142,7 @@ def _triangles(kind: Element, where: str) -> tuple[Array, Ints]:
     """Return points and triangles of a geometry of SDF, in its own frame; none of an unknown one."""
     if kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
-        mesh = read_mesh(path)
-        low, high = bounds(mesh.points)
-        points, corners = simplified(mesh, float(np.linalg.norm(high - low)) / _FINEST)
+        points, corners = simplified_to(read_mesh(path), _FINEST)
         return points * scale, corners
     if kind.tag == "box":
         return _CUBE * floats(kind.findtext("size"), 3, where), _CUBE_CORNERS

@@ -27,7 +27,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
 from rsegen.heights.table import is_esri_grid
-from rsegen.input_files import open_regular, opened_image, text_of
+from rsegen.input_files import first_inside, open_regular, opened_image, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with
 from rsegen.params.sorts import CENTIMETRES
@@ -148,8 +148,8 @@ def _instead(path: Path) -> str:
     """Return what to do with a path that is no cloud."""
     if path.suffix.lower() in _OCTOMAPS:
         return "a map of OctoMap; write its points with `octree2pointcloud FILE NEW.pcd`"
-    if path.is_dir() and (inside := min((file.name for file in path.iterdir() if is_cloud(file)), default="")):
-        return f"a folder; use the files in it, such as {path / inside}"
+    if inside := first_inside(path, is_cloud):
+        return f"a folder; use the files in it, such as {inside}"
     return f"clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}"
 
 

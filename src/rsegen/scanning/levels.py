@@ -150,11 +150,10 @@ def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: f
     if core.sum() < 2 * _FEWEST_POINTS * np.count_nonzero(np.bincount(keys[inside])):
         core = inside & (middle < _WIDE_CORE)
     # Points of a top are within 0.4 units of its median, or, if the noise is large, 2.5 standard deviations (99 %).
-    heights, counts, slopes, spread = _agreed(
-        keys[core], points[core, 2], tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise)
-    )
-    off = np.abs(points[core, 2] - heights[keys[core]]) > unit / 2  # of cells that were not seen none is
-    strays = np.bincount(keys[core], off, heights.size) / np.maximum(np.bincount(keys[core], minlength=heights.size), 1)
+    keys, z = keys[core], points[core, 2]
+    heights, counts, slopes, spread = _agreed(keys, z, tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise))
+    off = np.abs(z - heights[keys]) > unit / 2  # of cells that were not seen none is
+    strays = np.bincount(keys, off, heights.size) / np.maximum(np.bincount(keys, minlength=heights.size), 1)
     return Reading(
         heights=heights.reshape(shape),
         counts=counts.reshape(shape),
