@@ -41,10 +41,6 @@ _OF_HULL = 500
 _THIN = 0.0005
 """Half of a side, metres, that a shape has at least: MuJoCo takes no flat one."""
 
-_SWOLLEN = 10.0
-"""Share of the largest moment of inertia that fits into a link's shapes from which on a file's is a mistake: what is
-seen of a link may be somewhat larger than what touches."""
-
 _SLIPPERY = 0.02
 """Share of a coefficient of friction that the one at right angles to it has at least: contacts are solved with the
 square of that share, and fly apart with none."""
@@ -142,16 +138,16 @@ class _Builder:
         self._held = self._holders()
         self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
-        self._is_of_file = not isinstance(placed.robot, Robot)
         drive = placed.robot.drive
         self._driven = {self._frames.child(name) for name in (*drive.left, *drive.right) if name in self._frames.joints}
         self._has_mecanum = False
-        self._massless: list[str] = []
-        self._swollen_links: list[str] = []
         self._add_bodies(self._frames.local(element))
         self._add_followers()
         self._add_motors(placed.robot.servos if isinstance(placed.robot, Robot) else ())
-        self._add_remarks()
+        if self._has_mecanum:
+            self.model.remarks.append(
+                "its mecanum wheels are driven as ordinary ones, and skid where their rollers roll"
+            )
 
     def _holders(self) -> Mapping[str, str]:
         """Return the joint on which each link hangs."""
@@ -247,24 +243,14 @@ class _Builder:
         return value if abs(value) < _ENDLESS else None
 
     def _add_mass(self, body: Element, link: str) -> None:
-        """Add mass and moments of inertia, about the principal axes that MuJoCo wants; SDF's default is 1 kg.
-
-        A frame of a file has none: a link without <inertial> and shapes that is fixed to another one.
-        """
-        element, mass, place = self._links[link], 1.0, np.eye(4)
-        inertial = element.find("inertial")
-        if inertial is None and self._is_frame(link):
-            self._massless.append(link)
-            return
+        """Add mass and moments of inertia, about the principal axes that MuJoCo wants; 1 kg and 1 kg m^2 by default."""
+        inertial, mass, place = self._links[link].find("inertial"), 1.0, np.eye(4)
         if inertial is not None:
             (mass,) = floats(inertial.findtext("mass", "1"), 1, self._where)
             place = self._frames.local(inertial)
-        moments, axes = np.linalg.eigh(inertia_tensor(link, element, self._frames))
+        moments, axes = np.linalg.eigh(inertia_tensor(link, self._links[link], self._frames))
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
-        if self._is_of_file and link not in self._driven and (size := self._swollen(link, mass, moments)) is not None:
-            self._swollen_links.append(link)
-            moments, axes = mass / 12 * ((size * size).sum() - size * size), place[:3, :3].T @ np.eye(3)
         SubElement(
             body,
             "inertial",
@@ -273,26 +259,6 @@ class _Builder:
             mass=numbers([mass]),
             diaginertia=numbers(np.maximum(moments, 1e-9)),
         )
-
-    def _is_frame(self, link: str) -> bool:
-        """Return whether a link has no collision shapes and is fixed to another one, on either end of a joint."""
-        if any(name == link for name, _, _ in self._frames.collisions()):
-            return False
-        joints = self._frames.joints
-        ends = [name for name in joints if link in (self._frames.child(name), self._frames.parent(name))]
-        return bool(ends) and all(joints[name].get("type") == "fixed" for name in ends)
-
-    def _swollen(self, link: str, mass: float, moments: Array) -> Array | None:
-        """Return the sides of the box around a link's shapes if its moments of inertia are far beyond what fits in it.
-
-        A body within half a diagonal R of its centre has at most m R^2. Files have thousands of times that, by a
-        mistake in units or by a default, and such a robot takes seconds to tip by a degree, and stops where it lands.
-        """
-        extent = self._frames.shapes.of(link)
-        if extent is None:
-            return None
-        size = np.asarray(extent.high - extent.low)
-        return size if moments[2] > _SWOLLEN * mass * (size @ size) / 4 else None
 
     def _add_shapes(self, body: Element, link: str, pose: Array) -> None:
         own = [(collision, geometry) for name, collision, geometry in self._frames.collisions() if name == link]
@@ -458,18 +424,6 @@ class _Builder:
             )
         if length > 2 * radius + 2 * _THIN:
             yield {"type": "box", "size": numbers((length / 2 - radius, width / 2, radius))}, in_shape(0.0)
-
-    def _add_remarks(self) -> None:
-        for links, what in (
-            (self._massless, "without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each)"),
-            (self._swollen_links, "with the moments of inertia of a box, as those of the file fit into no such shape"),
-        ):
-            if links:
-                self.model.remarks.append(f"links {what}: {', '.join(links)}")
-        if self._has_mecanum:
-            self.model.remarks.append(
-                "its mecanum wheels are driven as ordinary ones, and skid where their rollers roll"
-            )
 
     def _add_motors(self, servos: Sequence[Servo]) -> None:
         drive = self.model.drive

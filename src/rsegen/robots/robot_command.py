@@ -205,11 +205,11 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
     from rsegen.robots.sdf_drives import motor
-    from rsegen.robots.sdf_shapes import ModelFrames, inertials
+    from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
 
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
     masses = inertials(frames)
-    bare = [name for name, link in frames.links() if link.find("inertial/mass") is None]
+    bare = links_by_default(frames)
     usual = f"; 1 kg each, as SDF has it, for {len(bare)} without a mass" if bare else ""
     mass = sum(body.mass for body in masses.values())
     yield Figure(name="mass", value=f"{mass:.4g} kg", origin=f"the <inertial> of {len(masses)} links{usual}")

@@ -49,7 +49,15 @@ from rsegen.robots.sdf_drives import (
     slippery_wheels,
     steered_wheels,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials, take_out_flat
+from rsegen.robots.sdf_shapes import (
+    Extents,
+    ModelFrames,
+    impossible_inertias,
+    inertials,
+    links_by_default,
+    swollen_inertias,
+    take_out_flat,
+)
 from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
@@ -329,6 +337,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames)])
+    names = (*drive.drive.left, *drive.drive.right) if drive else ()
+    driven = {frames.child(name) for name in names if name in frames.joints}  # a rotor adds to the moments of a wheel
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
@@ -338,6 +348,11 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (missing_joints(model, frames), "its plug-in names joints that it has not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
+            (
+                links_by_default(frames),
+                "each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it; give one to {}",
+            ),
+            (swollen_inertias(frames, driven), "the moments of inertia of {} are far more than fit into their shapes"),
         )
         if names
     ]

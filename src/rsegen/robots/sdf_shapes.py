@@ -35,6 +35,10 @@ _ROUNDED = 0.01
 A thin plate's moments meet it exactly, ixx + iyy = izz, and files round them, some to two or three digits.
 """
 
+_SWOLLEN = 10.0
+"""Share of the largest moment of inertia that fits into a link's shapes from which on a file's is a mistake: what is
+seen of a link may be somewhat larger than what touches."""
+
 _NOISE = 1e-9
 """Share of the largest moment up to which a negative one is zero: that of a rod, after rounding in the eigenvalues."""
 
@@ -210,6 +214,27 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
 def impossible_inertias(frames: ModelFrames) -> list[str]:
     """Return the links whose moments of inertia no body has: the largest exceeds the sum of the others."""
     return [link for link, element in frames.links() if is_impossible(inertia_tensor(link, element, frames))]
+
+
+def links_by_default(frames: ModelFrames) -> list[str]:
+    """Return the links without a mass, of which SDF, and so every simulator, takes 1 kg and 1 kg m^2 each."""
+    return [link for link, element in frames.links() if element.find("inertial/mass") is None]
+
+
+def swollen_inertias(frames: ModelFrames, but: Collection[str]) -> list[str]:
+    """Return the links whose moments of inertia are far beyond what fits into their shapes, without some of them.
+
+    A body within half a diagonal R of its centre has at most m R^2. Files have thousands of times that, by a mistake in
+    units or by a default, and such a robot takes seconds to tip by a degree.
+    """
+    masses, shapes, found = inertials(frames), frames.shapes, []
+    for link, element in frames.links():
+        extent = shapes.of(link)
+        if extent is not None and link not in but and element.find("inertial/mass") is not None:
+            size, largest = extent.high - extent.low, np.linalg.eigvalsh(inertia_tensor(link, element, frames))[2]
+            if largest > _SWOLLEN * masses[link].mass * (size @ size) / 4:
+                found.append(link)
+    return found
 
 
 def is_impossible(tensor: Array) -> bool:
