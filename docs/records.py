@@ -67,8 +67,14 @@ SOURCES: Mapping[str, Source] = {
     ),
     "contact-sim": Source(
         "[the same, Gazebo Sim](contact.md)",
-        "make bench-contact",
-        ("benchmarks/contact", "src/rsegen/gazebo", "src/rsegen/geometry", "src/rsegen/simulators"),
+        "python -m benchmarks.contact --simulator sim",
+        (
+            "benchmarks/contact",
+            "src/rsegen/gazebo",
+            "src/rsegen/geometry",
+            "src/rsegen/robots/simulator_shapes.py",
+            "src/rsegen/simulators",
+        ),
     ),
     "crossable": Source(
         "[made for robots](constraints.md)",

@@ -59,7 +59,7 @@ ALL = (
         shapes=fields.height_map(4),
     ),
     Construction(name="mesh", says="the shipped surface"),
-    Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces a block", shapes=fields.block_mesh),
+    Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces per block", shapes=fields.block_mesh),
     _body(name="body", says="the shipped surface as a kinematic body"),
     _body(name="body-kd100", says="the shipped surface as a kinematic body, kd 100", kd=100),
     Construction(

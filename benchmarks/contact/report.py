@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,15 +13,17 @@ from benchmarks.contact.constructions import Construction
 from benchmarks.contact.trial import Drive, Rest, Trial
 from rsegen.simulators.base import Installation
 
-COLUMNS = (
-    ("soft", "plain"),
-    ("soft", "lane"),
-    ("soft", "scattered"),
-    ("light", None),
-    ("stiff", None),
-    ("sphere", None),
-)
-"""Robot and ground of a column of drives; None: every ground."""
+_SOFT = {"soft: plain": ("soft", "plain"), "soft: lane": ("soft", "lane"), "soft: scattered": ("soft", "scattered")}
+COLUMNS: Mapping[str, Mapping[str, tuple[str, str | None]]] = {
+    "classic": {
+        **_SOFT,
+        "light wheels": ("light", None),
+        "stiff wheels": ("stiff", None),
+        "sphere wheels": ("sphere", None),
+    },
+    "sim": {**_SOFT, "sphere wheels": ("sphere", None), "ball as caster": ("ball", None)},
+}
+"""Title, robot and ground of a column of drives, for each simulator; None: every ground."""
 
 _INTRODUCTIONS = {
     "classic": """\
@@ -39,27 +41,18 @@ them, and of other settings of ODE, is in [robots](robots.md#what-settings-of-ga
     "sim": """\
 # The same in Gazebo Sim
 
-Made by `python -m benchmarks.contact --simulator sim` in {simulator}, with its own physics engine (DART), which reads
-neither `kd` nor a wheel's softness: "soft wheels" are stiff there. The same course, bodies and columns as above, with
-one sort of robot in a world, driven by motors as strong as need be; the cost is that of the wheels' world. Poses are
-read twenty times a second, which is part of it.
+Made by `python -m benchmarks.contact --simulator sim --only` and the names below, in {simulator}, with its own physics
+engine (DART), which reads neither `kd` nor a wheel's softness: "soft wheels" are stiff there. The same course and
+bodies as above, with one sort of robot in a world, driven by motors as strong as need be; the cost is that of the soft
+wheels' world. Poses are read twenty times a second, which is part of it. The robots' balls are capsules, as rsegen
+writes them for Gazebo Sim ([why](mujoco.md#agreement)), but for "ball as caster": soft wheels with a caster that was
+left a ball, as that of a robot which somebody else puts into the world. These and the spheres drive at 20, 45 and 70
+degrees alone, among other blocks.
 """,
 }
 
-_HEAD = (
-    "construction",
-    "soft: plain",
-    "soft: lane",
-    "soft: scattered",
-    "light wheels",
-    "stiff wheels",
-    "sphere wheels",
-    "drops failed, mm",
-    "fields",
-    "cost",
-    "load",
-    "memory",
-)
+_REST = ("drops failed, mm", "fields", "cost", "load", "memory")
+"""Titles of the columns after those of drives."""
 
 
 def write(
@@ -86,7 +79,9 @@ def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence
     """The whole page."""
     groups = {each.name: [trial for trial in trials if trial.construction == each.name] for each in tried}
     ranked = sorted((name for name in groups if groups[name]), key=lambda name: strayed(groups[name]))
-    rows = [_HEAD, ("---",) * len(_HEAD), *(_row(name, groups[name]) for name in ranked)]
+    columns = COLUMNS[gazebo.simulator.name]
+    head = ("construction", *columns, *_REST)
+    rows = [head, ("---",) * len(head), *(_row(name, groups[name], [*columns.values()]) for name in ranked)]
     introduction = _INTRODUCTIONS[gazebo.simulator.name].format(simulator=gazebo)
     lines = [introduction, *("| " + " | ".join(row) + " |" for row in rows), ""]
     lines += [f"- `{each.name}`: {each.says}" for each in tried if groups[each.name]]
@@ -99,16 +94,16 @@ def strayed(trials: Sequence[Trial]) -> float:
     return float(np.mean([abs(drive.aside) for trial in trials for drive in trial.drives if drive.robot == "soft"]))
 
 
-def _row(name: str, trials: Sequence[Trial]) -> tuple[str, ...]:
+def _row(name: str, trials: Sequence[Trial], columns: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
     drives = [drive for trial in trials for drive in trial.drives]
     rests = [rest for trial in trials for rest in trial.rests]
-    columns = [
+    driven = [
         _driven([drive for drive in drives if drive.robot == robot and ground in (None, drive.ground)])
-        for robot, ground in COLUMNS
+        for robot, ground in columns
     ]
     costs = (np.mean([getattr(trial, what) for trial in trials]) for what in ("cost", "load_cpu", "memory"))
     cost, load, memory = map(float, costs)
-    return name, *columns, _rested(rests), str(len(trials)), f"{cost:.2f}", f"{load:.1f}", f"{memory:.0f}"
+    return name, *driven, _rested(rests), str(len(trials)), f"{cost:.2f}", f"{load:.1f}", f"{memory:.0f}"
 
 
 def _driven(drives: Sequence[Drive]) -> str:

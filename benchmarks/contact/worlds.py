@@ -10,6 +10,7 @@ from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
 from rsegen.driving.world_file import add_systems
+from rsegen.robots.simulator_shapes import with_capsules
 from tests.real.bodies import body
 from tests.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
 
@@ -22,12 +23,17 @@ ROBOTS: Mapping[str, Wheels] = {
     ),
     "stiff": BURGER_WHEELS._replace(contact="", friction=""),
     "sphere": BURGER_WHEELS._replace(shape=f"<sphere><radius>{RADIUS}</radius></sphere>"),
+    "ball": BURGER_WHEELS,
 }
-"""A TurtleBot3's soft wheels; the same light and without a direction of friction; Gazebo's default contact; spheres."""
+"""A TurtleBot3's soft wheels; the same light and without a direction of friction; Gazebo's default contact; spheres;
+the first once more, whose caster is a ball in Gazebo Sim too, where the others have capsules, as rsegen writes them."""
 
-TOGETHER: Mapping[str, Sequence[Sequence[str]]] = {"classic": [[*ROBOTS]], "sim": [["soft"], ["sphere"]]}
+TOGETHER: Mapping[str, Sequence[Sequence[str]]] = {
+    "classic": [["soft", "light", "stiff", "sphere"]],
+    "sim": [["soft"], ["sphere"], ["ball"]],
+}
 """The robots that are in one world: in Gazebo Classic all, which pass through one another; in Gazebo Sim, whose engine
-does not let them and knows no soft wheels, two sorts, each in a world of its own."""
+does not let them and knows no soft wheels, three sorts, each in a world of its own."""
 
 _FRICTION = "<friction><ode><mu>1</mu><mu2>1</mu2></ode></friction>"
 
@@ -72,10 +78,9 @@ def written(construction: Construction, field: StepField, folder: Path, backend:
     """The world's file in a folder, with the files that it names, and with these robots."""
     models = [_model(construction, field, folder)] if construction.levels else []
     masks = {robot: 1 << number for number, robot in enumerate(ROBOTS)}
-    models += [
-        burger(name, start, ROBOTS[robot], masks[robot] if len(kinds) > 1 else EVERYTHING, backend)
-        for name, robot, _, start in robots_on(field, kinds)
-    ]
+    for name, robot, _, start in robots_on(field, kinds):
+        model = burger(name, start, ROBOTS[robot], masks[robot] if len(kinds) > 1 else EVERYTHING, backend)
+        models.append(model if robot == "ball" else with_capsules(model, backend))
     if construction.levels:
         models += [body(drop.name, drop.shape, (drop.x, drop.y, drop.top + DROP)) for drop in drops(field)]
     path = folder / "course.world"

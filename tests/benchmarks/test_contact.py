@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from benchmarks.contact import fields, partitions
+from benchmarks.contact.constructions import ALL
 from benchmarks.contact.courses import BODIES, GROUNDS, HEADINGS, course, drops, starts
 from benchmarks.contact.shapes import Triangles
+from benchmarks.contact.worlds import field_of, written
 from rsegen import StepField
 from rsegen.geometry import surface
 
@@ -61,6 +65,22 @@ def test_every_robot_starts_on_its_floor_and_every_body_falls_on_its_cell() -> N
     for drop in found:
         i, j = np.searchsorted(x, drop.x) - 1, np.searchsorted(y, drop.y) - 1
         assert field.heights[i, j] == drop.top
+
+
+@pytest.mark.parametrize(
+    ("backend", "robot", "shape"),
+    [("sim", "soft", "capsule"), ("sim", "ball", "sphere"), ("classic", "soft", "sphere")],
+)
+def test_casters_are_what_rsegen_writes_unless_they_are_to_be_balls(
+    backend: str, robot: str, shape: str, tmp_path: Path
+) -> None:
+    plane = next(each for each in ALL if not each.levels)
+
+    world = written(plane, field_of(plane, 1), tmp_path, backend, [robot]).read_text()
+
+    others = {"capsule", "sphere"} - {shape}
+    assert f"<{shape}>" in world
+    assert not any(f"<{other}>" in world for other in others)
 
 
 def area(corners: np.ndarray[tuple[int, int, int], np.dtype[np.float64]]) -> float:
