@@ -115,7 +115,7 @@ class Rest:
     @property
     def is_close(self) -> bool:
         """Whether the prediction is close enough."""
-        return _is_close(self.height, self.angle)
+        return is_close(self.height, self.angle)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -172,7 +172,7 @@ def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> t
         for pair in combinations(ends, 2):
             for number, (one, other) in enumerate(zip(*(ends[name] for name in pair), strict=True)):
                 two = " from ".join(pair)
-                between.append(_difference(two, robot, seed, number, _at(body, one[1]), _at(body, other[1])))
+                between.append(_difference(two, robot, seed, number, at_pose(body, one[1]), at_pose(body, other[1])))
         close = sum(rest.is_close for rest in found[-len(ends) * ON_A_FIELD :])
         say(f"{robot.kind}, seed {seed}: {close} of {len(ends) * ON_A_FIELD} close")
     return found, between
@@ -269,7 +269,7 @@ def mjcf(scene: Scene, robot: Robot, start: Start) -> str:
     return model([blocks(scene.field, near), free_robot(robot, (x, y, z, 0, 0, yaw))])
 
 
-def _at(body: Body, pose: Array) -> At:
+def at_pose(body: Body, pose: Array) -> At:
     """Return the centre of mass and the axes of a robot whose origin is at a pose."""
     axes = np.asarray(rotation(*pose[3:]))
     return At(pose[:3] + axes @ body.centre, axes)
@@ -278,10 +278,10 @@ def _at(body: Body, pose: Array) -> At:
 def _predicted(ground: PaddedGround, body: Body, at: At) -> tuple[Settled, At]:
     """Return the robot at rest with its centre of mass above or below a place, and its heading there."""
     rest = settle_from(ground, body, at.centre[:1], at.centre[1:2], np.array([at.yaw]), np.zeros((1, 2)))
-    return rest, _of_rest(rest, 0)
+    return rest, of_rest(rest, 0)
 
 
-def _of_rest(rest: Settled, number: int) -> At:
+def of_rest(rest: Settled, number: int) -> At:
     """Return where one of the robots at rest is."""
     return At(np.array([rest.x[number], rest.y[number], rest.z[number]]), rest.axes[number])
 
@@ -290,10 +290,14 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
     simulator: str, robot: Robot, seed: int, number: int, ground: PaddedGround, start: Start, state: State
 ) -> Rest:
     body = robot.body
-    before, end, put = _at(body, state[0]), _at(body, state[1]), _at(body, np.array([*start[:3], 0, 0, start[3]]))
+    before, end, put = (
+        at_pose(body, state[0]),
+        at_pose(body, state[1]),
+        at_pose(body, np.array([*start[:3], 0, 0, start[3]])),
+    )
     settled, rest = _predicted(ground, body, end)
     _, there = _predicted(ground, body, put)
-    (height, angle), (put_height, put_angle) = _errors(rest, end), _errors(there, end)
+    (height, angle), (put_height, put_angle) = errors(rest, end), errors(there, end)
     told = stable_at(ground, body, *(np.array([at]) for at in (*end.centre[:2], end.yaw))).rests
     return Rest(
         simulator=simulator,
@@ -308,13 +312,13 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
         moving=round(float(np.linalg.norm(end.centre - before.centre)), 5),
         stands=bool(has_stood(settled)[0]),
         stable=len(told.x),
-        is_one=any(_is_close(*_errors(_of_rest(told, each), end)) for each in range(len(told.x))),
+        is_one=any(is_close(*errors(of_rest(told, each), end)) for each in range(len(told.x))),
         put_height=put_height,
         put_angle=put_angle,
     )
 
 
-def _errors(one: At, other: At) -> tuple[float, float]:
+def errors(one: At, other: At) -> tuple[float, float]:
     """Return the difference of heights, millimetres, and of orientations apart from the heading, degrees."""
     cosine = float(one.axes[:, 2] @ other.axes[:, 2])
     return round(1e3 * abs(float(one.centre[2] - other.centre[2])), 3), round(
@@ -322,14 +326,14 @@ def _errors(one: At, other: At) -> tuple[float, float]:
     )
 
 
-def _is_close(height: float, angle: float) -> bool:
+def is_close(height: float, angle: float) -> bool:
     """Return whether differences of height [mm] and orientation [degrees] are small enough."""
     return height <= CLOSE[0] and angle <= CLOSE[1]
 
 
 def _difference(pair: str, robot: Robot, seed: int, number: int, one: At, other: At) -> Rest:
     """Return how two simulators differ about a robot that was put down alike."""
-    height, angle = _errors(one, other)
+    height, angle = errors(one, other)
     tilt = round(degrees(float(np.arccos(np.clip(min(one.axes[2, 2], other.axes[2, 2]), -1, 1)))), 2)
     return Rest(
         simulator=pair,
@@ -388,13 +392,13 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for simulator, name in dict.fromkeys((rest.simulator, rest.robot) for rest in found):
         own = [rest for rest in found if (rest.simulator, rest.robot) == (simulator, name)]
         close = sum(rest.is_close for rest in own)
-        put = sum(_is_close(rest.put_height, rest.put_angle) for rest in own)
+        put = sum(is_close(rest.put_height, rest.put_angle) for rest in own)
         cells = [
             " from ".join(_TITLES[one] for one in simulator.split(" from ")),
             f"{name}, {record['units'][name]:g} cm",
             f"{len(own)}",
-            _middle_and_high([rest.height for rest in own]),
-            _middle_and_high([rest.angle for rest in own]),
+            middle_and_high([rest.height for rest in own]),
+            middle_and_high([rest.angle for rest in own]),
             f"{100 * close / len(own):.0f} %",
             f"{100 * sum(rest.is_one or rest.is_close for rest in own) / len(own):.0f} %"
             if simulator in _TITLES
@@ -415,7 +419,8 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         yield f"| {speed.robot} | {speed.samples:,} | {rates} |"
 
 
-def _middle_and_high(values: Sequence[float]) -> str:
+def middle_and_high(values: Sequence[float]) -> str:
+    """Return the median and the 90th percentile."""
     middle, high = np.percentile(values, [50, 90])
     return f"{middle:.2f}, {high:.2f}"
 

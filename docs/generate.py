@@ -28,6 +28,7 @@ from benchmarks import (
     crossable,
     crossings,
     datasets,
+    driven_poses,
     flippers,
     go1_on_blocks,
     learning,
@@ -393,11 +394,13 @@ SHOWN = {
 
 
 def _predictions() -> Iterator[str]:
-    """Yield the tables of poses at rest and of crossings."""
+    """Yield the tables of poses at rest, of poses on drives, and of crossings."""
     yield "### At rest\n"
     record = json.loads(rests.FILE.read_text("utf-8"))
     yield from rests.table(record)
     yield f"\nSpeeds are of CPU time, on: {record['machine']}."
+    yield "\n### On drives\n"
+    yield from driven_poses.table(json.loads(driven_poses.FILE.read_text("utf-8")))
     yield "\n### Across\n"
     yield from crossings.table(json.loads(crossings.FILE.read_text("utf-8")))
 

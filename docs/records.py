@@ -91,6 +91,11 @@ SOURCES: Mapping[str, Source] = {
         ("benchmarks/datasets.py", "src/rsegen/datasets", "src/rsegen/recipe/batch.py"),
     ),
     "driven": Source("[robots that drive](driven.md)", "rsegen experiment driven --simulator classic", _TRIALS),
+    "driven_poses": Source(
+        "[robots that drive](poses.md)",
+        "python -m benchmarks.driven_poses",
+        ("benchmarks/driven_poses.py", *_IN_MUJOCO),
+    ),
     "experiment": Source("[the paper's experiment](experiment.md)", "make bench-experiment", _TRIALS),
     "fuzz": Source(
         "[hostile input](reliability.md)",

@@ -23,7 +23,7 @@ from rsegen.standing.lanes import (
     straight,
     surely_passed,
 )
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
 from rsegen.standing.ways import Lattice
 from tests.standing.stands import BODIES, cart, field_of, settled
 
@@ -117,6 +117,25 @@ def pieces(points: Array) -> list[tuple[Array, Array]]:
     ahead /= np.hypot(*ahead.T)[:, None]
     turns = np.flatnonzero(np.abs(np.diff(ahead, axis=0)).max(axis=1) > 1e-6) + 1
     return [(points[a], points[b]) for a, b in pairwise([0, *turns.tolist(), len(points) - 1])]
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("burger", 0.005), ("jackal", 0.03), ("crawler", 0.05)])
+def test_the_poses_of_an_answer_follow_from_those_before_them(kind: str, unit: float) -> None:
+    """At each jump the robot comes to rest so too if it is put down as it stood before; put down level it may not."""
+    body, (ground, starts, lengths) = BODIES[kind], rough_lanes(kind, unit)
+    level, followed = (drive_lanes(ground, body, *starts, lengths, follows=follows) for follows in (False, True))
+    jumps = others = poses = 0
+    for number, last in enumerate(followed.last.tolist()):
+        slope = followed.lane(number).poses.slope[: last + 1]
+        jump = np.flatnonzero(np.abs(np.diff(slope, axis=0)).max(axis=1) > 0.01)
+        after = followed.lane(number).poses.some(jump + 1)
+        again = settle_from(ground, body, after.x, after.y, after.yaw, slope[jump])
+        assert np.allclose(again.slope, after.slope, atol=2e-3)
+        put = level.lane(number).poses.slope[: last + 1]
+        jumps, poses = jumps + len(jump), poses + len(slope)
+        others += int((np.abs(slope - put).max(axis=1) > 0.01).sum())
+    assert jumps > 100
+    assert 10 < others < poses / 3
 
 
 @pytest.mark.slow

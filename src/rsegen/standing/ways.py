@@ -413,11 +413,23 @@ class Lattice:
             shares = self._surely_driven(line[begins], heading[begins] * np.pi / 4, length)
             for (first, last), share in zip(some, shares.tolist(), strict=True):
                 if share < 1:
-                    run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
-                    return int(first + np.searchsorted(run[:-1], share * run[-1], side="right"))
+                    return _number_at(line, (first, last), share)
             # Most ways end on their first pieces; the others are driven in few calls.
             begin, count = begin + count, 2 * count
-        return None
+        # Few ways that are driven pose by pose are not as each pose follows from the one before.
+        lanes = self._followed(line, heading)
+        if lanes.passed.all():
+            return None
+        number = int(np.flatnonzero(~lanes.passed)[0])
+        return _number_at(line, pieces[number], float(lanes.last[number] / lanes.count[number]))
+
+    def _followed(self, line: Array, heading: Ints) -> Lanes:
+        """Return the straight pieces of a way, whose poses follow from those before them."""
+        turns = _straight_pieces(heading)
+        long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
+        begins = turns[:-1][long > 0]
+        yaw = heading[begins] * np.pi / 4
+        return drive_lanes(self.ground, self.body, *line[begins].T, yaw, long[long > 0], follows=True)
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
         """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
@@ -624,11 +636,7 @@ class Lattice:
         points, ends = line[1:-1], line[[0, -1]]
         length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
-        turns = _straight_pieces(heading)
-        long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
-        begins = turns[:-1][long > 0]
-        x, y = line[begins].T
-        lanes = drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, long[long > 0])
+        lanes = self._followed(line, heading)
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
         x, y = np.tile(points[:-1], (3, 1)).T
         turned = settle(self.ground, self.body, x, y, turning.ravel())
@@ -676,7 +684,7 @@ class Lattice:
             ahead = points[m] - points[begin]
             if ahead.any():
                 x, y = points[begin, :1], points[begin, 1:]
-                yield drive_lanes(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)))
+                yield drive_lanes(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)), follows=True)
             if turns_on or not last:
                 on = (places[min(m + 1, last), 2] - places[m, 2] + 4) % HEADINGS - 4
                 headings = yaw[m] + np.linspace(0, 1, _TURN_POSES) * on * np.pi / 4
@@ -688,6 +696,13 @@ class Lattice:
 def _straight_pieces(heading: Ints) -> Ints:
     """Return the numbers of the first lane of each straight piece, and that beyond the last, for headings of lanes."""
     return np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
+
+
+def _number_at(line: Array, piece: tuple[int, int], share: float) -> int:
+    """Return the number of the lane at a share of the length of a straight piece, from and to places of a line."""
+    first, last = piece
+    run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
+    return int(first + np.searchsorted(run[:-1], share * run[-1], side="right"))
 
 
 def _margin_on_level(ground: PaddedGround, body: Body) -> float:
@@ -799,9 +814,11 @@ def _straight_way(field: StepField, body: Body, axis: int) -> Way | None:
             lane = passed[best]
             if lane.tilt[0] >= left:
                 break
-            if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
-                way = _way_along(lane, field, body, axis, float(middles[best]))
-                if safely_passed(field, body, axis, middles[best : best + 1]).all():
+            middle = middles[best : best + 1]
+            lane = straight(field, body, axis, middle, follows=True)
+            if lane.passed.all() and surely_passed(lane, field, body, axis, middle).all():
+                way = _way_along(lane, field, body, axis, float(middle[0]))
+                if safely_passed(field, body, axis, middle).all():
                     return way
                 narrow = narrow or way
             del passed[best]
