@@ -428,8 +428,8 @@ class Lattice:
         turns = _straight_pieces(heading)
         long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
         begins = turns[:-1][long > 0]
-        yaw = heading[begins] * np.pi / 4
-        return drive_lanes(self.ground, self.body, *line[begins].T, yaw, long[long > 0], follows=True)
+        x, y = line[begins].T
+        return drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, long[long > 0], follows=True)
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
         """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
