@@ -240,6 +240,19 @@ def test_the_shell_predicts_and_draws(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "route" in capsys.readouterr().err
 
 
+def test_the_shell_says_what_a_file_leaves_to_chance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bare = '<link name="imu"/><joint name="j" type="fixed"><parent>base</parent><child>imu</child></joint>'
+    file = tmp_path / "jackal.sdf"
+    file.write_text(ROBOTS["jackal"].file("jackal", "sim").replace("</model>", f"{bare}</model>"))
+    command = ["predict", "--obstacle", "random levels=2", "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
+    assert main([*command, "--robot", str(file)]) == 0
+    told = capsys.readouterr()
+    assert "rse_0000, jackal: crosses with probability 0.9" in told.out
+    assert "note: jackal: each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it; give one to imu" in (
+        told.out
+    )
+
+
 def test_without_a_simulator_a_line_says_so(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

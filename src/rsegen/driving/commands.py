@@ -318,6 +318,7 @@ def add_predict(command: Parser) -> None:
 def run_predict(arguments: argparse.Namespace) -> Report:
     """Predict, and draw."""
     from rsegen.driving.plots import prediction_plot
+    from rsegen.robots.lookup import robot_of
     from rsegen.writing.target_worlds import world_of
 
     picture = picture_of(arguments.output, force=arguments.force)
@@ -328,8 +329,10 @@ def run_predict(arguments: argparse.Namespace) -> Report:
         picture.write(partial(prediction_plot, scene, found))
     kind = given(predict, arguments).get("robot", default(predict, "robot"))
     content = {"map": scene.name, "robot": kind, **found.as_json()}
-    notes = which_map(arguments.target, arguments.map)
-    return Report(lines=[f"{scene.name}, {kind}: {found}"], content=content, notes=notes)
+    robot = robot_of(kind)
+    remarks = (f"note: {robot.kind}: {remark}" for remark in getattr(robot, "remarks", ()))
+    notes = (*which_map(arguments.target, arguments.map), *remarks)
+    return Report(lines=[f"{scene.name}, {robot.kind}: {found}"], content=content, notes=notes)
 
 
 def add_drive(command: Parser) -> None:
