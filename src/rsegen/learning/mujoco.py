@@ -19,7 +19,7 @@ import numpy as np
 
 from rsegen.datasets.difficulty_tiles import as_recipes
 from rsegen.field.stepfield import Array, Ints
-from rsegen.geometry.columns import Column, columns
+from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
 from rsegen.learning.ground import Ground
 from rsegen.learning.terrain import Terrain

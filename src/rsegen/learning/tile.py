@@ -16,7 +16,7 @@ import numpy as np
 from rsegen.datasets.difficulty_tiles import amid, check_tile, eased, tile_levels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.geometry.columns import Column, columns
+from rsegen.geometry.box_merging import Column, columns
 from rsegen.geometry.mesh_kinds import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
