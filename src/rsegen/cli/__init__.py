@@ -69,7 +69,7 @@ CAPABILITY = Capability(
     public={
         "rsegen.cli.generate": ("generate",),
         "rsegen.errors": ("RsegenError", "UserError"),
-        "rsegen.field.limits": ("StepLimits",),
+        "rsegen.field.crossing": ("StepLimits",),
         "rsegen.obstacles": ("KINDS", "Obstacle"),
         "rsegen.obstacles.barrier": ("DiagonalBarrier", "HorizontalBarrier"),
         "rsegen.obstacles.discrete_obstacles": ("DiscreteObstacles",),

@@ -23,7 +23,7 @@ from rsegen.field.traversability import cells_to_each_side, highest_levels, wide
 from rsegen.params.sorts import NANOMETRE_DIGITS, NANOMETRES
 
 if TYPE_CHECKING:
-    from rsegen.field.limits import StepLimits
+    from rsegen.field.crossing import StepLimits
 
 LARGE = 10_000
 """Cells of a map, frames counted, from which maps are faster one by one: measured on random maps."""

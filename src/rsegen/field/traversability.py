@@ -33,7 +33,7 @@ from rsegen.field.steps import steps
 from rsegen.params.sorts import NANOMETRES
 
 if TYPE_CHECKING:  # they find paths here
-    from rsegen.field.limits import StepLimits
+    from rsegen.field.crossing import StepLimits
 
 Heights = NDArray[np.int64]
 

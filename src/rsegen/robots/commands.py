@@ -18,8 +18,7 @@ from rsegen.cli.flags import (
 from rsegen.cli.parameters import Force, MapReference
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.field.crossing import robot_kinds
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE, robot_kinds
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors, given
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS

@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
-from rsegen.field.limits import SPEED, TURN
+from rsegen.field.crossing import SPEED, TURN
 from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls

@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
