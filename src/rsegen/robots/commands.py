@@ -104,7 +104,7 @@ def run_spots(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
-    from rsegen.standing.spot_plot import spots_plot
+    from rsegen.standing.plots import spots_plot
     from rsegen.standing.spots import Outline, body_of_size
     from rsegen.writing.target_worlds import world_of
 
