@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from rsegen.field.stepfield import Ints, Mask, StepField
     from rsegen.field.traversability import Crossing, Traversability
 
-NO_CAP = 2**30
-"""A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
-
 # Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
 SIDE = Float(0.01, 100, unit="m")
 SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")

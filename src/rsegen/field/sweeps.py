@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rsegen.field.crossing import NO_CAP
-from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.field.stepfield import NO_CAP, Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side, highest_levels, widened
 from rsegen.params.sorts import NANOMETRE_DIGITS, NANOMETRES
 
