@@ -36,8 +36,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, EmbeddedWorld, LinkPoses, PlacedRobot
-from rsegen.simulators.poses import Contact, Pose
-from rsegen.simulators.stepped_world import Record
+from rsegen.simulators.poses import Contact, Pose, Record
 
 SINKS = 0.01
 """Depth, metres, of a contact from which on a drive has failed: after a fall of 0.4 m a robot sinks in by 1 mm."""
