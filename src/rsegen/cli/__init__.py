@@ -62,7 +62,7 @@ CAPABILITY = Capability(
             "man",
             _INFORMATION,
             "print the manual page of rsegen or of a command",
-            "rsegen.cli.man",
+            _REFERENCE,
             also=("manual", "docs"),
         ),
     ),
