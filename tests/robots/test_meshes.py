@@ -12,7 +12,7 @@ import rsegen
 from rsegen.errors import FileError
 from rsegen.geometry.collada import Triangles
 from rsegen.robots import body, meshes, sdf_shapes
-from rsegen.robots.meshes import mesh_bounds, read_mesh, simplified
+from rsegen.robots.meshes import collision_mesh, mesh_bounds, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file
 from rsegen.standing.resting import has_stood
 from rsegen.standing.settling import PaddedGround, outer_radius, settle
@@ -81,7 +81,7 @@ def test_a_mesh_of_many_shapes_is_read_once(tmp_path: Path, monkeypatch: pytest.
     path = tmp_path / "many.sdf"
     path.write_text(f'<sdf version="1.9"><model name="many">{links}</model></sdf>')
     read: list[str] = []
-    for module, reader in ((sdf_shapes, mesh_bounds), (body, read_mesh)):
+    for module, reader in ((sdf_shapes, mesh_bounds), (body, collision_mesh)):
 
         def counted(path: Path, reader=reader):  # type: ignore[no-untyped-def]
             read.append(path.name)

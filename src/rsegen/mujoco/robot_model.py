@@ -26,7 +26,7 @@ from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING,
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import read_mesh, simplified_to
+from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
 from rsegen.robots.sdf_drives import is_damped_at_the_end, motor
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
@@ -379,11 +379,7 @@ class _Builder:
     def _mesh(self, kind: Element, part: str) -> tuple[dict[str, str], Array]:
         """Return a mesh as its convex hull; one that is flat as a thin box."""
         path, scale = file_and_scale(kind, self._where)
-        try:
-            points, corners = simplified_to(read_mesh(path), _OF_HULL)
-        except ImportError:
-            problem = "the mesh of a collision shape is read by trimesh, which is not installed"
-            raise FileError(f"{path}: {problem}") from None
+        points, corners = simplified_to(collision_mesh(path), _OF_HULL)
         used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
         low, high = used.min(axis=0), used.max(axis=0)
         spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)

@@ -18,7 +18,7 @@ from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
-from rsegen.robots.meshes import read_mesh, simplified
+from rsegen.robots.meshes import collision_mesh, simplified
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of, inertials
 from rsegen.standing.body import (
     Body,
@@ -142,11 +142,8 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
             yield sampled_ball(radius, distance), pose_matrix((0, 0, end))
     elif kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
-        try:
-            points, corners = simplified(read_mesh(path), distance / _CUBES / max(float(np.abs(scale).max()), _THIN))
-        except ImportError:
-            problem = "the mesh of a collision shape is read by trimesh, which is not installed"
-            raise FileError(f"{path}: {problem}") from None
+        side = distance / _CUBES / max(float(np.abs(scale).max()), _THIN)
+        points, corners = simplified(collision_mesh(path), side)
         yield sampled_mesh(points * scale, corners, distance), np.eye(4)
     else:
         raise FileError(f"{where}: {name} is a <{kind.tag}>, whose surface is not known")

@@ -70,6 +70,15 @@ def read_mesh(path: Path) -> Triangles:
     return read_by_library(path, triangles)
 
 
+def collision_mesh(path: Path) -> Triangles:
+    """Return the triangles of the mesh of a collision shape, metres; FileError if it cannot be read."""
+    try:
+        return read_mesh(path)
+    except ImportError:
+        problem = "the mesh of a collision shape is read by trimesh, which is not installed"
+        raise FileError(f"{path}: {problem}") from None
+
+
 def _separate(corners: Array) -> Triangles:
     """Return triangles of which none share a point, from their corners (n, 3, 3); without those that have no place."""
     corners = corners[np.isfinite(corners).all(axis=(1, 2))]
