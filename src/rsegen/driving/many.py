@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, astuple, dataclass, fields
 from functools import partial
 from io import StringIO
@@ -161,11 +161,7 @@ class ManyDrives:
 
     def csv(self) -> Iterator[bytes]:
         """Yield the lines of drives.csv."""
-        text = StringIO()
-        table = csv.writer(text, lineterminator="\n")
-        table.writerow(field.name for field in fields(ManyDrive))
-        table.writerows(map(_cell, astuple(drive)) for drive in self.drives)
-        yield from text.getvalue().encode().splitlines(keepends=True)
+        return csv_lines([field.name for field in fields(ManyDrive)], map(astuple, self.drives))
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write drives.csv, drives.json and the recipe into a folder; `force` replaces earlier ones."""
@@ -183,11 +179,19 @@ def _is_nan(value: object) -> bool:
     return isinstance(value, float) and isnan(value)
 
 
+def csv_lines(head: Sequence[str], rows: Iterable[Iterable[object]]) -> Iterator[bytes]:
+    """Yield the lines of a CSV file: 1 and 0 for yes and no, nothing for none and for no number."""
+    text = StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(head)
+    table.writerows(map(_cell, row) for row in rows)
+    yield from text.getvalue().encode().splitlines(keepends=True)
+
+
 def _cell(value: object) -> str:
-    """Return a value as a cell of a CSV file, empty for none and for no number."""
     if value is None or _is_nan(value):
         return ""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return str(int(value)) if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 _FAILED = 5

@@ -8,8 +8,6 @@ recipe.json     the fields: that of a trial is the map of its index, at its leve
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.driving.many import wilson
+from rsegen.driving.many import csv_lines, wilson
 from rsegen.field.stepfield import Array
 from rsegen.params.numbers import decimal
 from rsegen.pictures.preview import encoded, figure_of
@@ -224,13 +222,9 @@ class Rating:
 
     def csv(self) -> Iterator[bytes]:
         """Yield the lines of trials.csv."""
-        text = io.StringIO()
-        table = csv.writer(text, lineterminator="\n")
         names = [field.name for field in fields(Trial)]
-        table.writerow(["by", *names])
-        for curve in self.curves:
-            table.writerows([curve.by, *map(_cell, asdict(trial).values())] for trial in curve.trials)
-        yield from text.getvalue().encode().splitlines(keepends=True)
+        rows = ([curve.by, *asdict(trial).values()] for curve in self.curves for trial in curve.trials)
+        return csv_lines(["by", *names], rows)
 
     def files(self) -> dict[str, Sequence[bytes]]:
         """Return the files of the rating by their names."""
@@ -246,13 +240,6 @@ class Rating:
 def _estimate_json(levels: Estimate) -> dict[str, object]:
     level, low, high = (float(f"{level:.6g}") for level in levels)
     return {"level": level, "interval": [low, high]}
-
-
-def _cell(value: object) -> str:
-    """Return a value as a cell: empty for none, 1 and 0 for yes and no."""
-    if value is None:
-        return ""
-    return str(int(value)) if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 _COLOURS = ("#1f5fbf", "#d9730d", "#2a8c4a", "#8a3ffc")
