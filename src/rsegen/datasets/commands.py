@@ -23,9 +23,9 @@ from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, 
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counted, counting, progress_shown
 from rsegen.errors import ParameterError
-from rsegen.measuring.parameters import By, ByRobot
-from rsegen.params.command import Shell, add_flags, command, declared
-from rsegen.params.sorts import Choice, Flag, Float, Integer
+from rsegen.measuring.parameters import By, ByRobot, From, SameField, To
+from rsegen.params.command import add_flags, command, declared
+from rsegen.params.sorts import Choice, Integer
 from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
@@ -43,9 +43,9 @@ def series(  # noqa: PLR0913  # each is a flag
     folder: OutputFolder,
     *,
     maps: int | None = None,
-    from_: Annotated[float, Float(0, 1, help="difficulty of the first map"), Shell(("--from",), "D")] = 0.1,
-    to: Annotated[float, Float(0, 1, help="difficulty of the last map"), Shell(metavar="D")] = 1.0,
-    same_field: Annotated[bool, Flag(help="one field at rising difficulty, not a new field for each map")] = False,
+    from_: From = 0.1,
+    to: To = 1.0,
+    same_field: SameField = False,
     by: By = "steps.rms",
     robot: ByRobot = None,
     force: Force = False,

@@ -16,7 +16,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from math import fsum, isnan
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from rsegen.datasets.difficulty_tiles import Span, bisected, mean_span, share_of, span_of
 from rsegen.errors import ParameterError, shown
@@ -24,8 +24,9 @@ from rsegen.field.crossing import CrossingModel
 from rsegen.field.steps import steps
 from rsegen.field.traversability import percolation
 from rsegen.measuring.catalogue import RMS, By, Metric, metric_by
+from rsegen.measuring.parameters import From, SameField, To
 from rsegen.measuring.roughness import spread
-from rsegen.params.sorts import NANOMETRE_DIGITS, Flag, Float, validate
+from rsegen.params.sorts import NANOMETRE_DIGITS, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
@@ -44,9 +45,9 @@ class SeriesPlan:
     """
 
     recipe: Recipe
-    from_: Annotated[float, Float(0, 1, help="difficulty of the first map")] = 0.1
-    to: Annotated[float, Float(0, 1, help="difficulty of the last map")] = 1.0
-    same_field: Annotated[bool, Flag(help="one field at rising difficulty, not a new field for each map")] = False
+    from_: From = 0.1
+    to: To = 1.0
+    same_field: SameField = False
     by: By = RMS
     robot: CrossingModel | None = None
 

@@ -1,4 +1,4 @@
-"""The parameters of what rises evenly: a metric, and the robot that it is of."""
+"""The parameters of what rises evenly: a metric, the robot that it is of, and from where to where."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
 from rsegen.params.command import Shell
-from rsegen.params.sorts import Float, Json, Parameter, Reference
+from rsegen.params.sorts import Flag, Float, Json, Parameter, Reference
 
 
 @dataclass(frozen=True)
@@ -59,3 +59,10 @@ ByRobot = Annotated[
     CrosserSort(help="robot, or limits of steps, for this metric"),
     Shell(metavar="KIND|FILE|CM,CM,CM"),
 ]
+
+
+From = Annotated[float, Float(0, 1, help="difficulty of the first map"), Shell(("--from",), "D")]
+
+To = Annotated[float, Float(0, 1, help="difficulty of the last map"), Shell(metavar="D")]
+
+SameField = Annotated[bool, Flag(help="one field at rising difficulty, not a new field for each map")]
