@@ -29,7 +29,7 @@ from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
 from rsegen.robots.sdf_drives import is_damped_at_the_end, motor
-from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
+from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, inertia_tensor, radius_and_length
 from rsegen.simulators.embedded import PlacedRobot
 
 _ENDLESS = 1e6
@@ -366,11 +366,11 @@ class _Builder:
         elif kind.tag == "ellipsoid":
             radii = np.maximum(floats(kind.findtext("radii"), 3, where), _THIN)
             yield {"type": "ellipsoid", "size": numbers(radii)}, np.eye(4)
-        elif kind.tag in ("sphere", "cylinder", "capsule", "cone"):
-            radius = max(floats(kind.findtext("radius"), 1, where)[0], _THIN)
-            half = 0.0 if kind.tag == "sphere" else max(floats(kind.findtext("length"), 1, where)[0] / 2, _THIN)
+        elif kind.tag in ROUND:
+            radius, length = radius_and_length(kind, where)
+            half = 0.0 if kind.tag == "sphere" else max(length / 2, _THIN)
             name = "cylinder" if kind.tag == "cone" else kind.tag
-            yield {"type": name, "size": numbers((radius, half))}, np.eye(4)
+            yield {"type": name, "size": numbers((max(radius, _THIN), half))}, np.eye(4)
         elif kind.tag == "mesh":
             yield self._mesh(kind, part)
         else:

@@ -19,7 +19,7 @@ from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
 from rsegen.robots.meshes import collision_mesh, simplified
-from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of, inertials
+from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, inertials, radius_and_length
 from rsegen.standing.body import (
     Body,
     CollisionPart,
@@ -133,9 +133,8 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
         yield sampled_box(floats(kind.findtext("size"), 3, where), distance), np.eye(4)
     elif kind.tag == "ellipsoid":
         yield sampled_ellipsoid(floats(kind.findtext("radii"), 3, where), distance), np.eye(4)
-    elif kind.tag in ("sphere", "cylinder", "capsule", "cone"):
-        (radius,) = floats(kind.findtext("radius"), 1, where)
-        length = 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0]
+    elif kind.tag in ROUND:
+        radius, length = radius_and_length(kind, where)
         if kind.tag != "sphere":  # a cone has the cylinder around it: no robot is known that stands on one
             yield sampled_cylinder(radius, length, distance), np.eye(4)
         for end in {"sphere": (0.0,), "capsule": (-length / 2, length / 2)}.get(kind.tag, ()):

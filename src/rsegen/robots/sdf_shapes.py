@@ -360,6 +360,16 @@ _COUNTS = {"size": 3, "radii": 3}
 """Numbers of a size; of the others one."""
 
 
+ROUND = ("sphere", "cylinder", "capsule", "cone")
+"""Shapes that have a radius, and a length along z; a sphere has none."""
+
+
+def radius_and_length(kind: Element, where: str) -> tuple[float, float]:
+    """Return the radius and the length of a round shape, metres; 0 for that of a sphere."""
+    (radius,) = floats(kind.findtext("radius"), 1, where)
+    return radius, 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0]
+
+
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
     """Return the swept box of a geometry; None for an unknown one."""
     kind = geometry[0]
@@ -369,10 +379,9 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
     if kind.tag == "ellipsoid":
         x, y, z = floats(kind.findtext("radii"), 3, where)
         return SweptBox((0, 0, 0), (x, y, z))
-    if kind.tag in ("sphere", "cylinder", "capsule", "cone"):
-        (r,) = floats(kind.findtext("radius"), 1, where)
-        half = 0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0] / 2
-        return SweptBox((0, 0, half), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
+    if kind.tag in ROUND:
+        r, length = radius_and_length(kind, where)
+        return SweptBox((0, 0, length / 2), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
     return _mesh(kind, where) if kind.tag == "mesh" else None
 
 

@@ -18,7 +18,7 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.meshes import read_mesh, simplified_to
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of
+from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, radius_and_length
 from rsegen.scene.colours import Colour
 
 _SIDES = 16
@@ -148,9 +148,9 @@ def _triangles(kind: Element, where: str) -> tuple[Array, Ints]:
         return _CUBE * floats(kind.findtext("size"), 3, where), _CUBE_CORNERS
     if kind.tag == "ellipsoid":
         return _turned(_ROUND) * floats(kind.findtext("radii"), 3, where), _turned_corners(len(_ROUND))
-    if kind.tag in ("sphere", "cylinder", "capsule", "cone"):
-        (radius,) = floats(kind.findtext("radius"), 1, where)
-        half = 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0] / 2
+    if kind.tag in ROUND:
+        radius, length = radius_and_length(kind, where)
+        half = length / 2
         if kind.tag in ("sphere", "capsule"):
             outline = _ROUND * radius + np.column_stack([np.zeros(len(_ROUND)), np.sign(_ROUND[:, 1]) * half])
         elif kind.tag == "cylinder":
