@@ -115,9 +115,4 @@ def shapes_of_map(scene: Scene) -> Triangles:
 
 def _links(robot: DrivableRobot) -> Mapping[str, Triangles]:
     """Return the visual shapes of each link of a robot, in the frame of the link."""
-    return {
-        link: Triangles.joined(
-            Triangles(shape.points[shape.corners], np.tile(shape.colour, (len(shape.corners), 1))) for shape in shapes
-        )
-        for link, shapes in visuals(robot).items()
-    }
+    return {link: Triangles.joined(shape.triangles for shape in shapes) for link, shapes in visuals(robot).items()}

@@ -111,8 +111,7 @@ def _in_words(drawn: PlacedShapes) -> str:
 
 
 def _drawn(shapes: list[Visual], ruler: Triangles, camera: Camera) -> Pixels:
-    parts = [Triangles(shape.points[shape.corners], np.tile(shape.colour, (len(shape.corners), 1))) for shape in shapes]
-    triangles = Triangles.joined([ruler, *parts])
+    triangles = Triangles.joined([ruler, *(shape.triangles for shape in shapes)])
     radius = float(np.linalg.norm(triangles.corners, axis=-1).max())
     return View(camera, triangles, radius, _GROUND).picture(Triangles.joined([]))
 

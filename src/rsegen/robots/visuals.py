@@ -15,6 +15,7 @@ import numpy as np
 
 from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.pictures.camera import Triangles
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.meshes import read_mesh, simplified_to
 from rsegen.robots.sdf_file import SdfRobot
@@ -40,6 +41,11 @@ class Visual(NamedTuple):
     points: Array
     corners: Ints
     colour: Colour
+
+    @property
+    def triangles(self) -> Triangles:
+        """Its triangles in its colour."""
+        return Triangles(self.points[self.corners], np.tile(self.colour, (len(self.corners), 1)))
 
 
 def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
