@@ -14,7 +14,6 @@ import pytest
 from pypdf import PageObject, PdfReader
 
 from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
-from rsegen.build_sheets.document import page_count
 from rsegen.build_sheets.timber import building_order, placing_order
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints
@@ -96,7 +95,7 @@ EVERY = pytest.mark.parametrize(
 def test_it_is_a_page_of_a4_for_the_map_each_pallet_the_materials_and_a_form(name: str) -> None:
     recipe = RECIPES[name]
     pages = read(recipe).pages
-    assert len(pages) == 3 + recipe.chunks[0] * recipe.chunks[1] == page_count(recipe)
+    assert len(pages) == 3 + recipe.chunks[0] * recipe.chunks[1]
     for page in pages:
         assert [float(side) / POINTS_A_MM for side in page.mediabox[2:]] == pytest.approx([210, 297], abs=0.01)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from rsegen.build_sheets.cut_settings import CutSettings
 from rsegen.cli.flags import (
@@ -20,9 +20,6 @@ from rsegen.cli.report import Report
 from rsegen.errors import ParameterError
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

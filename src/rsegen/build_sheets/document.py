@@ -125,12 +125,6 @@ def pages(scene: Scene, saw: CutSettings, progress: Callable[[Figure], None] = l
         progress(page.figure)
 
 
-def page_count(recipe: Recipe) -> int:
-    """Return the number of pages of the sheet of each map of a recipe."""
-    m_x, m_y = recipe.chunks
-    return 3 + m_x * m_y
-
-
 def sheet_format(path: Path) -> str:
     """Return the sheet format of a file name; raise a FileError that lists the known ones for another name."""
     name = path.suffix.lower().removeprefix(".")

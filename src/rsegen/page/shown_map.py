@@ -129,9 +129,9 @@ class ShownMap:
         return cls(drawn=ColouredField(field=field), name=name)
 
 
-def shown_content(shown: ShownMap, factor: int = 1) -> MapData:
+def shown_content(shown: ShownMap) -> MapData:
     """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
-    return {**drawn(shown, factor), "metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
+    return {**drawn(shown), "metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
 
 
 def drawn(shown: ShownMap, factor: int = 1) -> Drawing:

@@ -20,7 +20,7 @@ from rsegen.errors import ParameterError, Stopped
 from rsegen.input_files import checksum_of
 from rsegen.obstacles.random import NormalRandom
 from rsegen.params.sorts import Json
-from rsegen.rating.axes import AXES, Axis, refuse_unusable
+from rsegen.rating.axes import AXES, refuse_unusable
 from rsegen.rating.judges import BY, Crosses, Judge, judge_by, judge_of, usual_duration
 from rsegen.rating.rating import FILES, HOLDS, Curve, Rating
 from rsegen.rating.reliability import ReliabilityTest
@@ -148,7 +148,7 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
             axis=axis,
             curves=tuple(curves),
             replay=rated.replay(),
-            notes=tuple(_notes(recipe, axis, curves)),
+            notes=tuple(_notes(recipe, curves)),
         )
         if store:
             store.put(rating.files(), force=True, holds=HOLDS)
@@ -186,7 +186,7 @@ def _curves(plan: RatingPlan, judges: Sequence[Judge], store: Store | None, targ
     return curves
 
 
-def _notes(recipe: Recipe, axis: Axis, curves: Sequence[Curve]) -> list[str]:
+def _notes(recipe: Recipe, curves: Sequence[Curve]) -> list[str]:
     """Return what a reader should know about the fields, and about a curve that is not precise."""
     notes = []
     if _are_alike(recipe):

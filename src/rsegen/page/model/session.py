@@ -168,9 +168,9 @@ class Session:
         self._put(self._with_row(entry, at), gesture)
         return at
 
-    def with_row(self, entry: Entry, at: int | None = None) -> Draft:
-        """Return the draft with another obstacle, at the end by default; its key follows from its content."""
-        return self._with_row(entry, len(self.draft.rows) if at is None else at).keyed()
+    def with_row(self, entry: Entry) -> Draft:
+        """Return the draft with another obstacle at the end; its key follows from its content."""
+        return self._with_row(entry, len(self.draft.rows)).keyed()
 
     def _with_row(self, entry: Entry, at: int) -> Draft:
         row = MappingProxyType({name: value for name, value in entry.items() if name != "key"})
