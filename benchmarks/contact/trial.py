@@ -17,10 +17,9 @@ from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import LiveWorld
-from rsegen.simulators.poses import Pose
+from rsegen.simulators.poses import Pose, Record
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
-from rsegen.simulators.stepped_world import Record
 from tests.real.bodies import SIZE
 from tests.real.burger import way
 

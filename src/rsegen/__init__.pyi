@@ -19,7 +19,7 @@ from rsegen.errors import RsegenError as RsegenError
 from rsegen.errors import UserError as UserError
 from rsegen.experiments.commands import experiment as experiment
 from rsegen.experiments.run import ExperimentResult as ExperimentResult
-from rsegen.field.limits import StepLimits as StepLimits
+from rsegen.field.crossing import StepLimits as StepLimits
 from rsegen.field.stepfield import StepField as StepField
 from rsegen.formats.base import FORMATS as FORMATS
 from rsegen.formats.commands import export as export

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rsegen.driving.recording import with_more_digits
 from rsegen.field.stepfield import Array
-from rsegen.simulators.stepped_world import Record
+from rsegen.simulators.poses import Record
 
 STEP, PERIOD = 0.05, 0.5
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from rsegen import StepField
 from rsegen.formats.parts import groups
 from rsegen.geometry import surface
-from rsegen.geometry.columns import columns
+from rsegen.geometry.box_merging import columns
 from tests.formats.test_meshes import seen_from_above
 from tests.support.strategies import fields
 

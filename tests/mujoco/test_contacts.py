@@ -12,7 +12,7 @@ from rsegen.driving.recording import drive_in_steps
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.mujoco import world as mujoco_world
 from rsegen.mujoco.robot_model import Shape
-from rsegen.mujoco.sliding import slide
+from rsegen.mujoco.world import slide
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import compose

@@ -16,8 +16,8 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import folders, jobs, runs, scenes
 from rsegen.page import host as hosting
+from rsegen.page import jobs, runs, scenes
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
 from rsegen.writing.journal import read_journal
@@ -133,17 +133,17 @@ def test_a_folder_is_shown_in_a_file_manager_or_is_a_path_to_copy(
     (tmp_path / "worlds" / "note").write_text("")
     started: list[list[str]] = []
     monkeypatch.setattr(subprocess, "Popen", lambda words, **_: started.append(words))
-    monkeypatch.setattr(folders, "which", lambda name: f"/bin/{name}")
-    monkeypatch.setattr(folders, "has_screen", lambda: False)
+    monkeypatch.setattr(runs, "which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr(runs, "has_screen", lambda: False)
     monkeypatch.delenv("SSH_CONNECTION", raising=False)
     place = str((tmp_path / "worlds").resolve())
-    assert folders.show_folder(host, path="worlds/note") == {"path": place, "is_open": False}
+    assert runs.show_folder(host, path="worlds/note") == {"path": place, "is_open": False}
     assert started == []
-    monkeypatch.setattr(folders, "has_screen", lambda: True)
-    assert folders.show_folder(host, path="worlds") == {"path": place, "is_open": True}
+    monkeypatch.setattr(runs, "has_screen", lambda: True)
+    assert runs.show_folder(host, path="worlds") == {"path": place, "is_open": True}
     assert [words[1:] for words in started] == [[place]]
     with pytest.raises(FileError):
-        folders.show_folder(host, path="..")
+        runs.show_folder(host, path="..")
 
 
 def test_a_job_runs_until_its_files_are_known(host: Host, start: Start, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.errors import UserError
 from rsegen.experiments.plan import load_plan
-from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.field.crossing import SIDE, SPEED, TURN
 from rsegen.heights.base import imported, importer_for
 from rsegen.params.command import declared
 from rsegen.params.sorts import Float, Integer, parameters

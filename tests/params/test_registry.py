@@ -10,8 +10,7 @@ import pytest
 
 from rsegen.errors import PluginError, UnknownName
 from rsegen.params import registry
-from rsegen.params.entry_points import EntryPoint, entry_points
-from rsegen.params.plugins import Source
+from rsegen.params.plugins import EntryPoint, Source, entry_points
 from rsegen.params.registry import Contract, Registry
 
 PRICES = Contract(base=int, names=lambda price: (f"for {price}",), is_class=False)

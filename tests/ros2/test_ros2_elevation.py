@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from rsegen import Recipe, Scene, compose
-from rsegen.ros2.elevation import layer_files
+from rsegen.ros2.ros2 import layer_files
 from tests.formats.maps import RANDOM, SCENES
 from tests.ros2.test_ros2 import SLIPPERY, written
 

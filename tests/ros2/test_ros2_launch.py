@@ -19,10 +19,9 @@ import rsegen
 from rsegen import Recipe, compose, load
 from rsegen.input_files import JOURNAL
 from rsegen.ros2 import package as of_packages
-from rsegen.ros2.bridge import ROBOT
+from rsegen.ros2.configuration import NAMESPACE, ROBOT
 from rsegen.ros2.package import PYTHON
 from rsegen.ros2.ros2 import Ros2
-from rsegen.ros2.rviz import NAMESPACE
 from tests.formats.maps import RECIPES
 from tests.formats.maps import made as made_files
 from tests.ros2.test_robot_files import leaves

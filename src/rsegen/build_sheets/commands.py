@@ -56,8 +56,7 @@ def add_sheet(command: Parser) -> None:
 
 def run_sheet(arguments: argparse.Namespace) -> Report:
     """Make the sheets, and write them."""
-    from rsegen.build_sheets.document import sheet_format
-    from rsegen.build_sheets.writing import write_sheets
+    from rsegen.build_sheets.document import sheet_format, write_sheets
 
     paths = [Path(arguments.output)]
     if arguments.csv is not None:

@@ -12,7 +12,7 @@ from rsegen import __version__
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.params.capabilities import Finding, all_extras, hooks
-from rsegen.params.entry_points import entry_points
+from rsegen.params.plugins import entry_points
 
 
 def add_doctor(command: Parser) -> None:

@@ -20,8 +20,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.visuals import visuals
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedWorld, LinkPoses, PlacedRobot
-from rsegen.simulators.poses import Contact, Pose
-from rsegen.simulators.stepped_world import SteppedWorld
+from rsegen.simulators.poses import Contact, Pose, SteppedWorld
 
 FRAME = 0.08
 """Seconds between two frames of a video: 12.5 a second, a whole number of milliseconds, in which WebP counts."""

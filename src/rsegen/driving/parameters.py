@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated
 
-from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.field.crossing import SIDE, SPEED, TURN
 from rsegen.params.command import Shell
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, Reference
 from rsegen.params.streams import SEEDS

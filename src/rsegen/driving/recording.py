@@ -32,9 +32,8 @@ from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.batch import BatchWorlds
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
-from rsegen.simulators.poses import Contact, Pose
+from rsegen.simulators.poses import Contact, Pose, Record, SteppedWorld
 from rsegen.simulators.server import attempted, running_server
-from rsegen.simulators.stepped_world import Record, SteppedWorld
 from rsegen.standing.spots import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]

@@ -17,7 +17,7 @@ from typing import Annotated
 
 from rsegen.driving.drive import drivable
 from rsegen.errors import ParameterError, UnknownName, inside, refuse_unknown, shown
-from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.field.crossing import SIDE, SPEED, TURN
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe

@@ -15,14 +15,14 @@ import platform
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from rsegen.driving.drive_metrics import COLUMNS
 from rsegen.driving.plots import trajectory_plot
-from rsegen.errors import FileError, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.errors import FileError, ParameterError, Stopped, inside, refuse_unknown, shown
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
 from rsegen.experiments.trial import (
@@ -41,8 +41,8 @@ from rsegen.robots.sdf_file import is_robot_file
 from rsegen.robots.xacro_files import with_arguments
 from rsegen.simulators.embedded import embedded_simulator
 from rsegen.simulators.server import choose_installation
-from rsegen.writing.journal import Journal, is_intact, read_errors, read_journal
-from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
+from rsegen.writing.journal import Journal
+from rsegen.writing.store import Store, continued
 
 HOLDS = "experiment"
 _LINE = Text(r".{0,4096}", "a line of at most 4096 letters")
@@ -144,27 +144,11 @@ def _description() -> dict[str, str]:
     }
 
 
-@contextmanager
-def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Store]:
+def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> AbstractContextManager[Store]:
     """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
-    # Three cases: replace another experiment, refuse other files, or go on with what this plan has begun.
-    refuse_busy(folder)
     of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan)}))
-    journal = read_journal(folder)
-    if force and journal:
-        refuse_irreplaceable(folder, HOLDS)
-        with replacing(folder, HOLDS, of) as store:
-            yield store
-        return
-    if journal and (journal.holds, journal.of) != (HOLDS, of):
-        has = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
-        raise OutputError(f"{folder}: has {has}; use another folder{', or force=True' * (journal.holds == HOLDS)}")
-    with read_errors(folder):
-        for name in (*REPORT_FILES, *track_names(plan)):
-            is_intact(folder, name, journal)
-    with open_store(folder) as store:
-        store.journal.begin(HOLDS, of)
-        yield store
+    other = "the outcomes of another plan; use another folder, or force=True"
+    return continued(folder, HOLDS, of, (*REPORT_FILES, *track_names(plan)), force=force, other=other)
 
 
 def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:

@@ -44,9 +44,9 @@ from rsegen.simulators.base import Installation
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.embedded_process import Task, world_in_process
 from rsegen.simulators.live_world import RunningWorld
+from rsegen.simulators.poses import Record
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
-from rsegen.simulators.stepped_world import Record
 from rsegen.writing.programs import has_screen, running
 from rsegen.writing.target_worlds import write_world
 

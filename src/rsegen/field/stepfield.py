@@ -31,6 +31,9 @@ Ints = NDArray[np.integer]
 CellWindow = tuple[slice, slice]
 """A rectangle of cells of a field as slices along x and y, frames counted."""
 
+NO_CAP = 2**30
+"""A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class StepField:

@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rsegen.field.crossing import NO_CAP
-from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.field.stepfield import NO_CAP, Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side, highest_levels, widened
 from rsegen.params.sorts import NANOMETRE_DIGITS, NANOMETRES
 
 if TYPE_CHECKING:
-    from rsegen.field.limits import StepLimits
+    from rsegen.field.crossing import StepLimits
 
 LARGE = 10_000
 """Cells of a map, frames counted, from which maps are faster one by one: measured on random maps."""

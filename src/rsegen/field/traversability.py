@@ -26,14 +26,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.crossing import NO_CAP
 from rsegen.field.graphs import component_labels, strongly_connected
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField
 from rsegen.field.steps import steps
 from rsegen.params.sorts import NANOMETRES
 
 if TYPE_CHECKING:  # they find paths here
-    from rsegen.field.limits import StepLimits
+    from rsegen.field.crossing import StepLimits
 
 Heights = NDArray[np.int64]
 

@@ -20,7 +20,7 @@ from rsegen.formats.base import Format, Step, register
 from rsegen.formats.parts import objs
 from rsegen.gazebo.obj import material_name, texture_files, texture_name
 from rsegen.gazebo.sdf import numbers, utf8
-from rsegen.geometry.columns import Column, columns
+from rsegen.geometry.box_merging import Column, columns
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Choice, Integer, parameters
 from rsegen.scene.contact import CONTACT, Contact

@@ -15,7 +15,9 @@ to find in three dimensions (NP-complete: Dielissen and Kaldewaij 1991). Cost: t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,6 +53,14 @@ class Boxes:
         return self.high - self.low
 
 
+class Column(NamedTuple):
+    """A box on the ground: its centre and its size along x, y and z, metres, and its material."""
+
+    centre: tuple[float, float, float]
+    size: tuple[float, float, float]
+    material: int
+
+
 def boxes(field: StepField) -> Boxes:
     """Return few boxes that together fill the blocks and frames of a field, regardless of materials.
 
@@ -69,8 +79,8 @@ def boxes(field: StepField) -> Boxes:
     """
     grid = label_grid(field)
     tops = merge(grid.cells // grid.materials)
-    columns = np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)
-    return _placed(min(columns, _layers(grid), key=len), grid)
+    from_ground = np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)
+    return _placed(min(from_ground, _layers(grid), key=len), grid)
 
 
 def box_per_block(field: StepField) -> Boxes:
@@ -78,6 +88,18 @@ def box_per_block(field: StepField) -> Boxes:
     grid = label_grid(field)
     x, y = np.nonzero(grid.cells)
     return _placed(np.stack([x, x + 1, y, y + 1, 0 * x, grid.cells[x, y] // grid.materials], axis=1), grid)
+
+
+def columns(field: StepField) -> Iterator[Column]:
+    """Yield few boxes, each of one material, that fill the blocks and frames of a field and do not overlap."""
+    grid = label_grid(field)
+    rectangles = merge(grid.cells)
+    rank, material = np.divmod(rectangles.label, grid.materials)
+    x, y, z = grid.lattice.lines
+    low = np.stack([x[rectangles.u0], y[rectangles.v0], np.zeros(len(rank))], axis=1)
+    high = np.stack([x[rectangles.u1], y[rectangles.v1], z[rank]], axis=1)
+    rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)
+    return (Column(tuple(centre), tuple(size), kind) for centre, size, kind in rows)
 
 
 def _layers(grid: LabelGrid) -> Ints:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
-"""Columns of the rows of a build sheet (`build_sheets/listing.py`).
+"""Columns of the rows of a build sheet (`build_sheets/document.py`).
 
 x and y count the block cells of the map; a cell without a block has no order.
 

@@ -12,7 +12,7 @@ from rsegen.cli.flags import add_input
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, checked_flags, counting
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.parameters import By, ByRobot
 from rsegen.params.command import Shell, add_flags

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.field.stepfield import Ints, Levels
-from rsegen.geometry.mesh_kinds import MESHES, mesh
+from rsegen.field.stepfield import Levels
+from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning.ground import unframed
 from rsegen.learning.terrain import Terrain
-from rsegen.learning.tile import highest_near
+from rsegen.learning.tile import Tile, highest_near
 from rsegen.params.sorts import Float, Integer
 
 _SAMPLES, _RADIUS = Integer(1, 20), Float(0, 100)
@@ -65,10 +65,9 @@ class StepFieldTerrain:
         self.height_field_raw = self.heightsamples
         self.tot_rows, self.tot_cols = self.heightsamples.shape
         half = np.array([*field.extent, 0.0]) / 2
-        # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
-        raised = mesh(unframed(field.levels + np.int16(1), width, field.unit), surface)
-        self.vertices = (raised.vertices + half - [0, 0, field.unit]).astype(np.float32)
-        self.triangles: Ints = raised.triangles.astype(np.uint32)
+        raised = unframed(field.levels + np.int16(1), width, field.unit)
+        vertices, triangles = Tile(raised=raised, ground=0, size=field.extent, origin=half).mesh(surface)
+        self.vertices, self.triangles = vertices.astype(np.float32), triangles.astype(np.uint32)
         self.env_origins = terrain.origins + half
         for origin in self.env_origins.reshape(-1, 3):
             origin[2] = max(origin[2], highest_near(field, origin[:2], radius))

@@ -19,10 +19,11 @@ import numpy as np
 
 from rsegen.datasets.difficulty_tiles import as_recipes
 from rsegen.field.stepfield import Array, Ints
-from rsegen.geometry.columns import Column, columns
+from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
 from rsegen.learning.ground import Ground
 from rsegen.learning.terrain import Terrain
+from rsegen.learning.tile import lowered_columns
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
@@ -64,9 +65,9 @@ def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), c
     )
     for friction in np.unique(frictions):
         raised = replace(field, levels=np.where(frictions == friction, field.levels + 1, 0).astype(np.int16))
-        for (x, y, z), size, level in columns(raised):
-            geom = add_box(body, Column((x, y, z - field.unit), size, level), contact.attributes(float(friction)))
-            geom.rgba = [*(look.colour(level - 1) if level > 1 else GROUND_COLOUR), 1.0]
+        for column in lowered_columns(raised, np.array([0, 0, -field.unit])):
+            geom = add_box(body, column, contact.attributes(float(friction)))
+            geom.rgba = [*(look.colour(column.material) if column.material else GROUND_COLOUR), 1.0]
     return body
 
 

@@ -17,7 +17,7 @@ import warp as wp
 
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import Array, Ints
-from rsegen.geometry.columns import columns
+from rsegen.geometry.box_merging import columns
 from rsegen.geometry.watertight_mesh import watertight
 from rsegen.learning.blocks import BlockArrays
 from rsegen.scene.scene import Scene

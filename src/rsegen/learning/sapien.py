@@ -17,7 +17,7 @@ import numpy as np
 import sapien
 from sapien.physx import PhysxMaterial
 
-from rsegen.geometry.columns import columns
+from rsegen.geometry.box_merging import columns
 from rsegen.scene.scene import Scene
 
 

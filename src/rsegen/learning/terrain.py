@@ -30,8 +30,7 @@ from rsegen.datasets.difficulty_tiles import (
     tile_levels,
 )
 from rsegen.errors import ParameterError, TooLarge, inside
-from rsegen.field.crossing import CrossingModel
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE, CrossingModel
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.learning.terrain_design import TerrainDesign

@@ -16,7 +16,7 @@ import numpy as np
 from rsegen.datasets.difficulty_tiles import amid, check_tile, eased, tile_levels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.geometry.columns import Column, columns
+from rsegen.geometry.box_merging import Column, columns
 from rsegen.geometry.mesh_kinds import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
@@ -47,10 +47,7 @@ class Tile:
 
     def columns(self) -> Iterator[Column]:
         """Few boxes of one level each that fill it, metres; their material is the level."""
-        corner = self._corner
-        for centre, size, material in columns(self.raised):
-            x, y, z = (np.array(centre) + corner).tolist()
-            yield Column((x, y, z), size, material - 1)
+        return lowered_columns(self.raised, self._corner)
 
     def samples(self, per_block: int) -> Array:
         """Heights at the corners of small squares, `per_block` along each side of a block: (n_x, n_y) of them and one.
@@ -107,6 +104,16 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         size=(n_x * width, n_y * width),
         origin=np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, above * unit]),
     )
+
+
+def lowered_columns(raised: StepField, origin: Array) -> Iterator[Column]:
+    """Yield few boxes of one level each that fill cells which are a level higher than they are, and lie lower.
+
+    So level 0 has boxes too. origin: of the raised field, (3,), metres; materials are the levels that cells have.
+    """
+    for centre, size, material in columns(raised):
+        x, y, z = (np.array(centre) + origin).tolist()
+        yield Column((x, y, z), size, material - 1)
 
 
 def corner_heights(heights: Array, per_block: int) -> Array:

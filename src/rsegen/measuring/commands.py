@@ -17,8 +17,7 @@ from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, share_bar
 from rsegen.errors import ParameterError
-from rsegen.field.crossing import CrossingModel, predictions, robot_kinds, robot_that_crosses
-from rsegen.field.limits import StepLimits
+from rsegen.field.crossing import CrossingModel, StepLimits, predictions, robot_kinds, robot_that_crosses
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.numbers import Lengths, lengths_in, whole_degrees
 from rsegen.params.sorts import Flag, Float, Reference

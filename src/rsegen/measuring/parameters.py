@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.crossing import CrossingModel, robot_that_crosses
-from rsegen.field.limits import StepLimits
+from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
 from rsegen.params.command import Shell
 from rsegen.params.sorts import Float, Json, Parameter, Reference
 

@@ -108,7 +108,7 @@ def slide(
     degrees: int,
     reference: wp.array2d[wp.float32],
 ) -> None:
-    """Correct the reference of a contact that slides, as `rsegen.mujoco.sliding` does."""
+    """Correct the reference of a contact that slides, as `rsegen.mujoco.world.slide` does."""
     at = wp.tid()
     if at >= wp.min(count[0], worlds.shape[0]):
         return

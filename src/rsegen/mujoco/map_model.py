@@ -17,7 +17,6 @@ import numpy as np
 
 from rsegen.field.stepfield import Array
 from rsegen.geometry import box_merging
-from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
 from rsegen.mujoco.looks import add_looks
 from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
@@ -111,7 +110,7 @@ def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
         found = box_merging.boxes(scene.field)
         yield from ((centre, size, scene.friction) for centre, size in zip(found.centres, found.sizes, strict=True))
         return
-    for column in columns(scene.field):
+    for column in box_merging.columns(scene.field):
         mu = round(scene.friction_of(column.material), NANOMETRE_DIGITS)
         yield np.array(column.centre), np.array(column.size), mu
 

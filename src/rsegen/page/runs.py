@@ -4,6 +4,7 @@
 
 The line of a shell that does the same works wherever the folder of the page is the working folder, also for a recipe
 that was never saved: it then has the recipe's flags, or, where a command has not all of them, writes the maps first.
+The folder with what a run wrote is shown in the file manager of the machine where the server runs.
 """
 
 from __future__ import annotations
@@ -11,10 +12,14 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import subprocess
+import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
+from shutil import which
 from typing import NamedTuple, TypedDict
 
 from rsegen.errors import ParameterError, UserError
@@ -27,6 +32,7 @@ from rsegen.page.model.texts import command_line, recipe_flags, stated_names
 from rsegen.page.places import Places
 from rsegen.params.sorts import Json
 from rsegen.writing.journal import read_journal, refuse_loss, refuse_loss_below
+from rsegen.writing.programs import has_screen
 from rsegen.writing.store import refuse_taken_file
 
 
@@ -178,3 +184,31 @@ def cancel(host: Host, *, job: int) -> JobValues:
 def jobs(host: Host) -> list[JobValues]:
     """Return all jobs."""
     return host.jobs.listed()
+
+
+_OPENERS = {"darwin": "open", "win32": "explorer"}
+"""Programs that open a folder, by platform; elsewhere it is that of freedesktop.org."""
+
+
+class ShownFolder(TypedDict):
+    """A folder, as a path to copy, and whether a file manager was opened on it."""
+
+    path: str
+    is_open: bool
+
+
+@call_of_host
+def show_folder(host: Host, *, path: str) -> ShownFolder:
+    """Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it."""
+    place = host.places.inside(path)
+    folder = place if place.is_dir() else place.parent
+    opener = which(_OPENERS.get(sys.platform, "xdg-open"))
+    is_open = False
+    if opener and has_screen() and not os.environ.get("SSH_CONNECTION"):
+        with suppress(OSError):
+            quiet = subprocess.DEVNULL
+            subprocess.Popen(  # noqa: S603  # no shell, and the folder is one of ours
+                [opener, str(folder)], stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True
+            )
+            is_open = True
+    return {"path": str(folder), "is_open": is_open}

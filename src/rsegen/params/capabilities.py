@@ -25,8 +25,8 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
-from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.extras import Extra
+from rsegen.params.plugins import EntryPoint, entry_points
 
 CORE = ("params", "field", "geometry", "obstacles", "recipe", "scene", "gazebo", "writing", "cli")
 """Folders of the core, each of which may import those to its left. All other folders are capabilities."""

@@ -24,8 +24,7 @@ from typing import Any, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
 from rsegen.params.capabilities import offered_modules
-from rsegen.params.entry_points import EntryPoint, entry_points
-from rsegen.params.plugins import Plugin, Source, failure, plugins
+from rsegen.params.plugins import EntryPoint, Plugin, Source, entry_points, failure, plugins
 from rsegen.params.sorts import parameters
 
 

@@ -9,15 +9,15 @@ the last of a batch is waited for, workers rest a little. What breaks it: a simu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from rsegen.errors import FileError, OutputError, ParameterError, UserError, refuse_unknown
+from rsegen.errors import FileError, ParameterError, UserError, refuse_unknown
 from rsegen.input_files import JOURNAL
 from rsegen.params.sorts import Flag, Float, Integer, Json, Text
 from rsegen.params.streams import generator
@@ -27,8 +27,8 @@ from rsegen.rating.psychometric import next_places
 from rsegen.rating.rating import FILES, HOLDS, Curve
 from rsegen.recipe.recipe import Recipe
 from rsegen.writing.execute import Execution, executor_of
-from rsegen.writing.journal import Journal, is_intact, read_errors, read_journal
-from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
+from rsegen.writing.journal import Journal
+from rsegen.writing.store import Store, continued
 
 _BATCH, _MOST_IN_BATCH, _SHARE = 8, 64, 8
 """Trials of a batch: at least, at most, and one for so many trials before it. As they are chosen with nothing known of
@@ -124,26 +124,10 @@ def _batch(plan: RatingPlan, known: Curve) -> list[Asked]:
 # The folder of a rating.
 
 
-@contextmanager
-def opened(folder: Path, of: Json, *, force: bool) -> Iterator[Store]:
+def opened(folder: Path, of: Json, *, force: bool) -> AbstractContextManager[Store]:
     """Open the folder of a rating, which may have begun, or what replaces it; an OutputError if that may not be."""
-    refuse_busy(folder)
-    journal = read_journal(folder)
-    if force and journal:
-        refuse_irreplaceable(folder, HOLDS)
-        with replacing(folder, HOLDS, of) as store:
-            yield store
-        return
-    if journal and (journal.holds, journal.of) != (HOLDS, of):
-        has = "another rating" if journal.holds == HOLDS else "other files of rsegen"
-        advice = ", or force=True, or the seed and options of that one" if journal.holds == HOLDS else ""
-        raise OutputError(f"{folder}: has {has}; use another folder{advice}")
-    with read_errors(folder):
-        for name in FILES:
-            is_intact(folder, name, journal)
-    with open_store(folder) as store:
-        store.journal.begin(HOLDS, of)
-        yield store
+    other = "another rating; use another folder, or force=True, or the seed and options of that one"
+    return continued(folder, HOLDS, of, FILES, force=force, other=other)
 
 
 def entry(judge: Judge, trial: Trial) -> dict[str, Json]:

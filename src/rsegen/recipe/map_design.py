@@ -15,8 +15,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, inside, shown
-from rsegen.field.crossing import CrossingModel, robot_that_crosses
-from rsegen.field.limits import StepLimits
+from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
 from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter

@@ -18,8 +18,7 @@ from rsegen.cli.flags import (
 from rsegen.cli.parameters import Force, MapReference
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.field.crossing import robot_kinds
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE, robot_kinds
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors, given
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS
@@ -105,7 +104,7 @@ def run_spots(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
-    from rsegen.standing.spot_plot import spots_plot
+    from rsegen.standing.plots import spots_plot
     from rsegen.standing.spots import Outline, body_of_size
     from rsegen.writing.target_worlds import world_of
 

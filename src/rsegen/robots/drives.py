@@ -92,6 +92,11 @@ class Drive(ABC):
     speed: float
     turn: float
 
+    @property
+    def side_names(self) -> tuple[str, str]:
+        """What it drives on at its left and at its right, such as `front_left+rear_left`."""
+        return "+".join(self.left), "+".join(self.right)
+
     def sides(self, v: Any, w: Any, gain: float = 1.0) -> tuple[Any, Any]:
         """Return the speeds of its left and its right side, m/s, for numbers or arrays; gain: of the turn rate."""
         aside = w * gain * self.separation / 2

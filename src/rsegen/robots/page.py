@@ -27,7 +27,7 @@ from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import Robot
-from rsegen.robots.links import Box, Cylinder, SdfPose, Sphere, rotation
+from rsegen.robots.links import Box, Cylinder, Sphere, posed, rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
@@ -116,7 +116,7 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[DrawnPart]:
                     shape, lengths = "cylinder", [radius, length]
                 case Sphere(radius=radius):
                     shape, lengths = "sphere", [radius]
-            pose = _transform(link.pose) @ _transform(part.pose)
+            pose = posed(link.pose) @ posed(part.pose)
             yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
 
 
@@ -124,12 +124,6 @@ def _part(shape: _Shape, size: list[float], pose: Array, colour: str, *, wheel: 
     """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
     colour = colour or (_DRIVEN if wheel else _BODY)
     return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
-
-
-def _transform(pose: SdfPose) -> Array:
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = rotation(*pose[3:]), pose[:3]
-    return matrix
 
 
 _BODY, _DRIVEN = "#73757a", "#1f1f21"

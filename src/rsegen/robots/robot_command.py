@@ -192,7 +192,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
     yield Figure(name="mass", value=f"{robot.mass:.4g} kg", origin=robot.source)
     for name, value in (
         ("size", _metres(robot.size)),
-        ("drive", " and ".join("+".join(side) for side in (drive.left, drive.right))),
+        ("drive", " and ".join(drive.side_names)),
         ("separation", f"{drive.separation:.4g} m"),
         ("radius", f"{drive.radius:.4g} m"),
         ("speed", f"{robot.speed:.4g} m/s"),
@@ -204,7 +204,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
-    from rsegen.robots.sdf_drives import motor
+    from rsegen.robots.sdf_drives import frictions, motor
     from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
 
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
@@ -230,8 +230,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
         yield Figure(name="drive", value="none", origin=why)
         return
     drive = read.drive
-    sides = " and ".join("+".join(side) for side in (drive.left, drive.right))
-    yield Figure(name="drive", value=sides, origin=read.origin)
+    yield Figure(name="drive", value=" and ".join(drive.side_names), origin=read.origin)
     yield Figure(name="separation", value=f"{drive.separation:.4g} m", origin=read.sizes)
     yield Figure(name="radius", value=f"{drive.radius:.4g} m", origin=read.sizes)
     yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
@@ -242,9 +241,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
         where = " and ".join(dict.fromkeys(origin for _, origin in motors))
         uses = "" if all(torque for torque, _ in motors) else ": in MuJoCo only friction limits its push"
         yield Figure(name="motor", value=value, origin=f"{where}{uses}")
-    links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
-    shapes_of = [collision for link, collision, _ in frames.collisions() if link in links]
-    mu = sorted({float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes_of})
+    mu = sorted({*frictions(drive, frames)})
     acting = dict.fromkeys(min(value, 1.0) for value in (*mu[:1], *mu[-1:]))
     limits = " to ".join(f"{value:g}" for value in acting) or "none"
     more = f"; {mu[-1]:g} acts as 1, as blocks have no more" if mu and mu[-1] > 1 else ""

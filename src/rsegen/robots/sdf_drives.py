@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
-from rsegen.field.limits import SPEED, TURN
+from rsegen.field.crossing import SPEED, TURN
 from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
@@ -488,11 +488,16 @@ _SLIPPERY = 0.01
 """Friction coefficient up to which wheels do not push: makers of omnidirectional robots have 0, and slide them."""
 
 
-def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
-    """Return a sentence if what a robot drives on has no friction; an empty one if it has."""
+def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
+    """Return the friction coefficients of the shapes that a robot drives on."""
     links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
     shapes = [collision for link, collision, _ in frames.collisions() if link in links]
-    most = max((float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes), default=1.0)
+    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
+
+
+def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
+    """Return a sentence if what a robot drives on has no friction; an empty one if it has."""
+    most = max(frictions(drive, frames), default=1.0)
     if most > _SLIPPERY:
         return ""
     return (

@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.field.limits import SIDE
+from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
@@ -454,7 +454,7 @@ def _derived(robot: SdfRobot) -> str:
         limits_by = read.limits_by
         drive = read.drive
         what = "wheels" if isinstance(drive, Wheels) else "tracks"
-        sides = ",".join("+".join(side) for side in (drive.left, drive.right))
+        sides = ",".join(drive.side_names)
         skid = f", times {drive.slip:g} as they skid" if isinstance(drive, Wheels) and drive.slip != 1 else ""
         sizes = f"{drive.separation:.4g} m apart{skid}, radius {drive.radius:.4g} m"
         phrases.append(f"its {what} are {sides} by {read.origin}, {sizes} by {read.sizes}")

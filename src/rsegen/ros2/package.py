@@ -20,8 +20,7 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 
 from rsegen.gazebo.sdf import system_name
-from rsegen.ros2.bridge import CLOCK, bridge_yaml, robot_topics
-from rsegen.ros2.rviz import RVIZ_CONFIG
+from rsegen.ros2.configuration import CLOCK, RVIZ_CONFIG, bridge_yaml, robot_topics
 
 _PACKAGE_XML = """\
 <?xml version="1.0"?>

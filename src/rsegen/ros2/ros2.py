@@ -1,4 +1,12 @@
-"""The format `ros2`: the map as a package for `colcon build`, with launch files for both Gazebos, Nav2 and RViz."""
+"""The format `ros2`: the map as a package for `colcon build`, with launch files for both Gazebos, Nav2 and RViz.
+
+For elevation mapping the package has the map as a grid_map too: its layers as files, which a node publishes.
+
+    StepField --layer_files--> elevation.npy, friction.npy, elevation.json --nodes/elevation.py--> grid_map_msgs/GridMap
+
+The arrays have one value per cell, with free ground around the map; the node repeats them, so that steps stay steep
+between the points of a grid_map, which RViz joins by slopes.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +15,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
+import numpy as np
+
 from rsegen.errors import ParameterError
 from rsegen.formats.base import Format, Step, register
 from rsegen.formats.encoded import as_json
 from rsegen.formats.occupancy import Climb, Occupancy
 from rsegen.formats.urdf import urdf_files
 from rsegen.gazebo import sdf, single
+from rsegen.npy_files import npy_bytes
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 from rsegen.params.streams import generator
 from rsegen.robots.base import ROBOTS
-from rsegen.ros2.elevation import layer_files
 from rsegen.ros2.package import common_files
 from rsegen.ros2.robots import ros_files
 from rsegen.scene.scene import Scene
@@ -30,6 +40,12 @@ _CLEARANCE = 0.005
 
 _MARGIN, _MOST_CELLS = 2.0, 500
 """Metres of free ground around the map in its occupancy grid by default, and most cells of it."""
+
+_MOST_POINTS = 1_000_000
+"""Points of a grid_map at the most, if that leaves one per cell: a message of 8 MB with two layers."""
+
+_PER_CELL = 5
+"""Points along each side of a cell: 2 cm apart for blocks of 10 cm."""
 
 
 @register
@@ -121,6 +137,30 @@ class Ros2(Format):
 
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
+
+
+def layer_files(scene: Scene, margin: int) -> Mapping[str, list[bytes]]:
+    """Return the files of a map with `margin` cells of ground around it; heights in metres above the ground."""
+    field = scene.field
+    levels = np.where(field.frame, -1, field.levels)
+    friction = np.full(field.shape, scene.friction, dtype=np.float32)  # of the ground, level 0
+    for level in np.unique(levels[levels != 0]).tolist():
+        friction[levels == level] = scene.friction_of(max(level, 0))
+    layers = {
+        "elevation": np.pad(field.heights.astype(np.float32), margin),
+        "friction": np.pad(friction, margin, constant_values=scene.friction),
+    }
+    points = max(1, min(_PER_CELL, int((_MOST_POINTS / layers["elevation"].size) ** 0.5)))
+    about = {
+        "axes": "axis 0 along +x, axis 1 along +y; the middle of the arrays is the origin of the frame map",
+        "cell_size": field.block_width,
+        "points_per_cell": points,
+        "layers": list(layers),
+    }
+    return {
+        "elevation.json": [as_json(about)],
+        **{f"{name}.npy": [npy_bytes(values)] for name, values in layers.items()},
+    }
 
 
 def package_name(name: str) -> str:

@@ -20,7 +20,7 @@ from typing import ClassVar
 from rsegen.params.registry import Contract, Registry
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import SECONDS, Patience
-from rsegen.simulators.stepped_world import Record
+from rsegen.simulators.poses import Record
 from rsegen.writing.programs import LaunchCommand
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "error while loading shared libraries")

@@ -18,8 +18,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import SIMULATORS
-from rsegen.simulators.poses import Pose
-from rsegen.simulators.stepped_world import Record, SteppedWorld
+from rsegen.simulators.poses import Pose, Record, SteppedWorld
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -35,9 +35,8 @@ from rsegen.simulators.base import Installation, OpenRequest, Simulator, command
 from rsegen.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.patience import Patience
-from rsegen.simulators.poses import Contact, Pose
+from rsegen.simulators.poses import Contact, Pose, Record
 from rsegen.simulators.process import command_output
-from rsegen.simulators.stepped_world import Record
 from rsegen.simulators.wire import CLASSIC, contact_of, mesh_file, parse_text, pose_message, pose_of
 from rsegen.writing.programs import LaunchCommand
 from rsegen.writing.user_state import home_folder

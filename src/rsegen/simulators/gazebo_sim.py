@@ -42,10 +42,9 @@ from rsegen.robots.drives import POSE_RATE, PublishCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.patience import Patience
-from rsegen.simulators.poses import Contact, Pose
+from rsegen.simulators.poses import Contact, Pose, Record
 from rsegen.simulators.process import command_output
 from rsegen.simulators.sim_transport import TransportClient, transport_client
-from rsegen.simulators.stepped_world import Record
 from rsegen.simulators.wire import SIM, contact_of, mesh_file, nanoseconds, parse_text, pose_message, pose_of
 from rsegen.writing.programs import LaunchCommand
 from rsegen.writing.user_state import home_folder

@@ -13,8 +13,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import PublishCommand
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.inbox import Inbox
-from rsegen.simulators.poses import Pose
-from rsegen.simulators.stepped_world import Record, SteppedWorld
+from rsegen.simulators.poses import Pose, Record, SteppedWorld
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,14 +1,19 @@
-"""Poses of models, and contacts between them, as every simulator gives them."""
+"""Poses of models and contacts between them, as every simulator gives them, and a world that is simulated by steps."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rsegen.field.stepfield import StepField
 from rsegen.standing.body import Body
 from rsegen.standing.spots import GAP
+
+if TYPE_CHECKING:
+    from rsegen.robots.lookup import DrivableRobot
 
 DROP_HEIGHT = 0.005
 """Height, metres, above the ground at which robots start, so that they do not start inside it.
@@ -49,3 +54,31 @@ class Contact:
 
     collisions: tuple[str, str]
     position: tuple[float, float, float]
+
+
+Record: TypeAlias = list[tuple[float, dict[str, list[float]]]]
+"""Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
+
+
+class SteppedWorld(ABC):
+    """A world with robots whose time advances only by `step`, whether a server runs it or this process does.
+
+    SimulatorFailed if its physics fails.
+    """
+
+    @abstractmethod
+    def poses(self) -> Mapping[str, Pose]:
+        """Return the pose of every model, by its name."""
+
+    @abstractmethod
+    def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
+        """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
+
+    @abstractmethod
+    def step(self, steps: int) -> None:
+        """Simulate this number of steps, as fast as possible."""
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """Step, and give the contacts of the first step; none if they are not watched."""
+        self.step(steps)
+        return ()

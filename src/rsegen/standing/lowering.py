@@ -26,8 +26,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.crossing import NO_CAP
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side
 from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope

@@ -1,23 +1,26 @@
-"""Pictures of poses: maps of how a robot of one heading rests at each place, and its outline from above.
+"""Pictures of poses: maps of how a robot of one heading rests at each place, and its outlines at spots on the plan.
 
 A pixel of a map is a pose, a quarter of a block from the next.
 """
 
 from __future__ import annotations
 
-from math import degrees
+from collections.abc import Sequence
+from math import cos, degrees, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.pictures.plan import changes, ramp, show_cells
+from rsegen.params.numbers import lengths_in
+from rsegen.pictures.plan import changes, draw_plan, ramp, show_cells
 from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.drawing import draw_robot
 from rsegen.standing.resting import REASONS, resting_poses
 from rsegen.standing.settling import outer_radius
+from rsegen.standing.spots import Outline, Spot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +35,9 @@ _REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
 
 _MOST_MARGIN = 45.0
 """Degrees at which the colours of margins end: what is safer than that looks alike."""
+
+_SPOT_COLOUR = "#ff2d95"
+"""Colour of robots at spots, which no level has."""
 
 
 def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, robot: str = "robot") -> bytes:  # noqa: A002  # matplotlib's word
@@ -107,3 +113,33 @@ def _draw_blocks(axes: Axes, field: StepField) -> None:
     width = float(np.clip(24 / max(field.shape), 0.1, 0.8))
     axes.add_collection(LineCollection(list(lines), colors="black", linewidths=width, alpha=0.45))
     axes.set(aspect="equal", xlabel="x [m]", xlim=edges_x[[0, -1]], ylim=edges_y[[0, -1]])
+
+
+def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """Return the spots on the plan as the bytes of an image file with the map's recipe; outline: around the robot."""
+    along_x, along_y = scene.field.extent
+    figure = figure_of(9, 8 * along_y / along_x + 1, 3, 16)
+    axes = figure.subplots()
+    draw_plan(axes, scene)
+    for index, spot in enumerate(spots):
+        _draw_spot(axes, outline, spot, str(index))
+    written = lengths_in(scene.units)
+    figure.suptitle(
+        f"{scene.name}: spots for {written.measured(outline.length, 1)} x {written.with_unit(outline.width, 1)}"
+    )
+    return figure_bytes(figure, scene, format)
+
+
+def _draw_spot(axes: Axes, outline: Outline, spot: Spot, text: str) -> None:
+    """Draw the outline, a text at its rear half, and an arrow from its middle to its front."""
+    corners, (middle_x, middle_y) = outline.at(spot), outline.middle
+    axes.fill(*corners.T, facecolor=_SPOT_COLOUR, alpha=0.35)
+    axes.plot(*np.concatenate([corners, corners[:1]]).T, color=_SPOT_COLOUR, linewidth=1.5)
+    # From the frame of the robot into that of the map.
+    c, s = cos(spot.yaw), sin(spot.yaw)
+    points = [(middle_x, middle_y), (outline.high_x, middle_y), (outline.low_x + outline.length / 4, middle_y)]
+    tail, head, name = ((spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points)
+    arrow = {"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
+    label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
+    axes.text(*name, text, ha="center", va="center", fontsize=8, bbox=label)

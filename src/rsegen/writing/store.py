@@ -37,6 +37,7 @@ from rsegen.writing.journal import (
     is_intact,
     journal_text,
     kept,
+    read_errors,
     read_journal,
     refuse_link,
     refuse_loss,
@@ -377,6 +378,34 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     except (OutputError, WriteError, OSError) as error:
         problem = f"not replaced yet: {error}; the new one is complete, and the same command puts it in place"
         raise WriteError(f"{folder}: {problem}") from error
+
+
+@contextmanager
+def continued(  # what it holds, what of, and what may be done with another one
+    folder: Path, holds: str, of: Json, names: Iterable[str], *, force: bool, other: str
+) -> Iterator[Store]:
+    """Open the folder of a long result, which goes on if it has begun; with `force` the store of what replaces it.
+
+    names: of its files, which must be as rsegen wrote them; other: what a folder has that holds a result of other
+    values, and advice. Raises an OutputError for such a folder, for other files, and if another run is writing there.
+    """
+    # Three cases: replace another result, refuse other files, or go on with what was begun.
+    refuse_busy(folder)
+    journal = read_journal(folder)
+    if force and journal:
+        refuse_irreplaceable(folder, holds)
+        with replacing(folder, holds, of) as store:
+            yield store
+        return
+    if journal and (journal.holds, journal.of) != (holds, of):
+        has = other if journal.holds == holds else "other files of rsegen; use another folder"
+        raise OutputError(f"{folder}: has {has}")
+    with read_errors(folder):
+        for name in names:
+            is_intact(folder, name, journal)
+    with open_store(folder) as store:
+        store.journal.begin(holds, of)
+        yield store
 
 
 def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:

@@ -28,9 +28,8 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.crossing import NO_CAP, CrossingModel
-from rsegen.field.limits import StepLimits
-from rsegen.field.stepfield import Array, Ints, Levels, Mask, StepField
+from rsegen.field.crossing import CrossingModel, StepLimits
+from rsegen.field.stepfield import NO_CAP, Array, Ints, Levels, Mask, StepField
 from rsegen.field.sweeps import LARGE, lowered_to_cross
 from rsegen.obstacles.random import Random
 from rsegen.params.arrays import as_numpy, asarray, maps_first, maps_last, namespace
