@@ -21,6 +21,9 @@ from rsegen import __version__
 from rsegen.errors import did_you_mean, line_of, shown
 from rsegen.params.capabilities import commands, unknown_command
 
+Rows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
+"""A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
+
 
 def parser() -> Parser:
     """Return the parser of the command line without a command, whose help lists the commands."""
@@ -166,7 +169,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         self.groups: list[Group] = []
         self._own: list[argparse.Action] = []
-        self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
+        self._rows: list[Rows] = []
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
