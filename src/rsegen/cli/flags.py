@@ -6,7 +6,6 @@ Commands that look at maps take where these are, or a recipe of them, and flags 
 from __future__ import annotations
 
 import argparse
-import os.path
 import re
 import shlex
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -15,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.parser import Parser
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Declared, Shell, add_flag, declared, given
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
@@ -88,9 +87,9 @@ def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Na
 
 def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
     """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.writing.targets import recipe_in
+    from rsegen.recipe.recipe_file import named_recipe
 
-    starts = [recipe_in(_file(name)) for name in names] or [Recipe()]
+    starts = [named_recipe(name) for name in names] or [Recipe()]
     return [with_flags(start, arguments) for start in starts]
 
 
@@ -148,19 +147,6 @@ def obstacle_in(text: str) -> Obstacle:
         raise error.of(where) from None
 
 
-def _file(text: str) -> Path:
-    from rsegen.recipe.examples import or_example
-
-    if not os.path.isdir(text):
-        return or_example(text)
-    path = Path(text) / "recipe.json"
-    if not path.is_file():
-        raise FileError(
-            f"{text}: a folder without a recipe.json; use a recipe file, the folder of a map, or DIR#0 of a data set"
-        )
-    return path
-
-
 _METAVARS = {
     "chunks": "N|NxM",
     "name": "NAME",
@@ -193,7 +179,8 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
-    from rsegen.writing.targets import recipe_files, recipe_in
+    from rsegen.recipe.recipe_file import recipe_in
+    from rsegen.writing.targets import recipe_files
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
