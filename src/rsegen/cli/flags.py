@@ -8,14 +8,14 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.parser import Group, Parser
 from rsegen.errors import ParameterError, shown
-from rsegen.params.command import Declared, Shell, add_flag, declared, given
+from rsegen.params.command import Shell, add_flag, declared, given
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -46,30 +46,28 @@ def _examples(**_: object) -> Collection[str]:
 
 def add_recipe_flags(command: Parser, over: str = "RECIPE", without: Collection[str] = ()) -> None:
     """Add --obstacle and every parameter of a recipe, over what a file of that name says; some are the command's."""
-    helps = {}
+    group = _recipe_group(command, f"each flag overrides the value in {over}")
     for name, parameter in declared(Recipe).items():
-        if name in without:
-            continue
-        shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
-        shown_parameter = shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
-        helps[shown_parameter] = shown_parameter.help
-    _add_recipe_group(command, f"each flag overrides the value in {over}", helps)
+        if name not in without:
+            shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
+            add_flag(group, shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, ""))))
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
     """Add these flags to a command that looks at maps; the help shows two, and says where the others are."""
     text = "each flag overrides the value in RECIPE-or-DIR; rsegen generate --help lists all parameters of a recipe"
-    known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
-    helps = {parameter: parameter.sort.help if parameter.name == "seed" else argparse.SUPPRESS for parameter in known}
-    _add_recipe_group(command, text, helps)
+    group = _recipe_group(command, text)
+    for name, parameter in declared(Recipe).items():
+        if name not in without:
+            add_flag(group, parameter, parameter.sort.help if name == "seed" else argparse.SUPPRESS)
 
 
-def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
+def _recipe_group(command: Parser, text: str) -> Group:
+    """Return a new group of flags of a recipe, which has --obstacle."""
     group = command.group(RECIPE, text)
     example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
-    for parameter, meaning in helps.items():
-        add_flag(group, parameter, meaning, metavar=parameter.metavar)
+    return group
 
 
 def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe:

@@ -94,7 +94,7 @@ def complete() -> None:
     for name in commands():  # argcomplete looks into each parser
         empty = parsers.add_parser(name)
         if name == named:
-            _filled(empty, name)
+            _filled(empty, name).describe_flags()
     argcomplete.autocomplete(top, always_complete_options="long")
 
 
@@ -203,8 +203,16 @@ class Parser(argparse.ArgumentParser):
         """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
+    def describe_flags(self) -> None:
+        """Give every flag of a declared parameter its help, its word for the value, and what completes it."""
+        from rsegen.params.command import describe_flag
+
+        for action in self.actions:
+            describe_flag(action)
+
     def format_help(self) -> str:
         """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
+        self.describe_flags()
         formatter = self.formatter_class(prog=self.prog)
         self._add_usage(formatter)
         formatter.add_text(self.description)
