@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import replace
+from dataclasses import fields
 from pathlib import Path
 
 import jsonschema
@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given, settings
 
 import rsegen
-from rsegen import Recipe, build
+from rsegen import Random, Recipe, build
 from rsegen.errors import ParameterError
 from rsegen.recipe.codec import decode, encode, schema, to_json
+from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.recipe_file import to_yaml
 from tests.support.strategies import recipes
 
@@ -108,13 +109,10 @@ def test_a_file_has_only_the_seed_and_what_differs_from_the_defaults() -> None:
     assert encode(Recipe(seed=7, unit_cm=10, chunks=(2, 2))) == content | {"chunks": [2, 2]}
 
 
-def test_a_recipe_has_map_design_representation_and_run() -> None:
-    recipe = Recipe(seed=7, maps=3, mesh_type="multi", unit_cm=5)
-    assert replace(recipe, frame_colour="#ff0000", friction=0.5, name="other").design == recipe.design
-    assert replace(recipe, seed=8).design != recipe.design
-    assert replace(recipe, seed=8).representation == recipe.representation
-    assert replace(recipe, first_map=2).run != recipe.run
-    assert build(recipe.design, 2) == build(recipe, 2)
+def test_the_map_design_of_a_recipe_decides_its_levels_alone() -> None:
+    recipe = Recipe(seed=7, maps=3, mesh_type="multi", unit_cm=5, obstacles=[Random(levels=5)])
+    design = MapDesign(**{field.name: getattr(recipe, field.name) for field in fields(MapDesign)})
+    assert build(design, 2) == build(recipe, 2)
 
 
 def test_an_alias_stands_for_its_anchor(tmp_path: Path) -> None:

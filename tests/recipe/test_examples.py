@@ -9,7 +9,8 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.recipe.examples import EXAMPLES, or_example
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe_file import or_example
 
 
 def test_examples_are_listed_with_their_descriptions(capsys: pytest.CaptureFixture[str]) -> None:

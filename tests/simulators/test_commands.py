@@ -14,7 +14,7 @@ from rsegen.cli.edge import main
 from rsegen.driving.commands import drive
 from rsegen.mujoco import simulator
 from rsegen.page.forms import field
-from rsegen.params.command import add_flags, declared
+from rsegen.params.command import add_flags, declared, describe_flag
 from rsegen.simulators import open_world, process
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.commands import open as open_command
@@ -85,6 +85,7 @@ def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
     parser = argparse.ArgumentParser()
     add_flags(parser, drive, only=["simulator"])
     (action,) = [action for action in parser._actions if action.dest == "simulator"]
+    describe_flag(action)
     assert set(vars(action)["completer"]()) == {"classic", "mujoco", "sim"}
 
 

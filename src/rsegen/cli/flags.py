@@ -6,17 +6,16 @@ Commands that look at maps take where these are, or a recipe of them, and flags 
 from __future__ import annotations
 
 import argparse
-import os.path
 import re
 import shlex
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.parser import Parser
-from rsegen.errors import FileError, ParameterError, shown
-from rsegen.params.command import Declared, Shell, add_flag, declared, given
+from rsegen.cli.parser import Group, Parser
+from rsegen.errors import ParameterError, shown
+from rsegen.params.command import Shell, add_flag, declared, given
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -47,30 +46,28 @@ def _examples(**_: object) -> Collection[str]:
 
 def add_recipe_flags(command: Parser, over: str = "RECIPE", without: Collection[str] = ()) -> None:
     """Add --obstacle and every parameter of a recipe, over what a file of that name says; some are the command's."""
-    helps = {}
+    group = _recipe_group(command, f"each flag overrides the value in {over}")
     for name, parameter in declared(Recipe).items():
-        if name in without:
-            continue
-        shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
-        shown_parameter = shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
-        helps[shown_parameter] = shown_parameter.help
-    _add_recipe_group(command, f"each flag overrides the value in {over}", helps)
+        if name not in without:
+            shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
+            add_flag(group, shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, ""))))
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
     """Add these flags to a command that looks at maps; the help shows two, and says where the others are."""
     text = "each flag overrides the value in RECIPE-or-DIR; rsegen generate --help lists all parameters of a recipe"
-    known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
-    helps = {parameter: parameter.sort.help if parameter.name == "seed" else argparse.SUPPRESS for parameter in known}
-    _add_recipe_group(command, text, helps)
+    group = _recipe_group(command, text)
+    for name, parameter in declared(Recipe).items():
+        if name not in without:
+            add_flag(group, parameter, parameter.sort.help if name == "seed" else argparse.SUPPRESS)
 
 
-def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
+def _recipe_group(command: Parser, text: str) -> Group:
+    """Return a new group of flags of a recipe, which has --obstacle."""
     group = command.group(RECIPE, text)
     example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
-    for parameter, meaning in helps.items():
-        add_flag(group, parameter, meaning, metavar=parameter.metavar)
+    return group
 
 
 def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe:
@@ -88,9 +85,9 @@ def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Na
 
 def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
     """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.writing.targets import recipe_in
+    from rsegen.recipe.recipe_file import named_recipe
 
-    starts = [recipe_in(_file(name)) for name in names] or [Recipe()]
+    starts = [named_recipe(name) for name in names] or [Recipe()]
     return [with_flags(start, arguments) for start in starts]
 
 
@@ -148,19 +145,6 @@ def obstacle_in(text: str) -> Obstacle:
         raise error.of(where) from None
 
 
-def _file(text: str) -> Path:
-    from rsegen.recipe.examples import or_example
-
-    if not os.path.isdir(text):
-        return or_example(text)
-    path = Path(text) / "recipe.json"
-    if not path.is_file():
-        raise FileError(
-            f"{text}: a folder without a recipe.json; use a recipe file, the folder of a map, or DIR#0 of a data set"
-        )
-    return path
-
-
 _METAVARS = {
     "chunks": "N|NxM",
     "name": "NAME",
@@ -193,7 +177,8 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
-    from rsegen.writing.targets import recipe_files, recipe_in
+    from rsegen.recipe.recipe_file import recipe_in
+    from rsegen.writing.targets import recipe_files
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:

@@ -16,7 +16,7 @@ from rsegen.cli.flags import add_input, add_recipe_flags, recipe_from
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, maps_bar
-from rsegen.params.command import add_flags, command, given
+from rsegen.params.command import add_flags, command, declared, given
 from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
@@ -97,11 +97,12 @@ def add_generate(command: Parser) -> None:
     add_recipe_flags(command)
 
 
-def add_output_flags(command: Parser) -> None:
-    """Add where to write worlds, and how."""
-    add_flags(command.group("output"), generate)
+def add_output_flags(command: Parser, function: Callable[..., object] = generate) -> None:
+    """Add where worlds are written, and how; `function` declares the parameters of `generate` among others."""
+    add_flags(command.group("output"), function, only=declared(generate))
     for kind in sidecar_kinds():
-        kind.explain(command)
+        if kind.rows:
+            command.add_rows(*kind.rows)
 
 
 def run_generate(arguments: argparse.Namespace) -> Report:

@@ -21,6 +21,9 @@ from rsegen import __version__
 from rsegen.errors import did_you_mean, line_of, shown
 from rsegen.params.capabilities import commands, unknown_command
 
+Rows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
+"""A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
+
 
 def parser() -> Parser:
     """Return the parser of the command line without a command, whose help lists the commands."""
@@ -91,7 +94,7 @@ def complete() -> None:
     for name in commands():  # argcomplete looks into each parser
         empty = parsers.add_parser(name)
         if name == named:
-            _filled(empty, name)
+            _filled(empty, name).describe_flags()
     argcomplete.autocomplete(top, always_complete_options="long")
 
 
@@ -166,7 +169,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         self.groups: list[Group] = []
         self._own: list[argparse.Action] = []
-        self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
+        self._rows: list[Rows] = []
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
@@ -200,8 +203,16 @@ class Parser(argparse.ArgumentParser):
         """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
+    def describe_flags(self) -> None:
+        """Give every flag of a declared parameter its help, its word for the value, and what completes it."""
+        from rsegen.params.command import describe_flag
+
+        for action in self.actions:
+            describe_flag(action)
+
     def format_help(self) -> str:
         """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
+        self.describe_flags()
         formatter = self.formatter_class(prog=self.prog)
         self._add_usage(formatter)
         formatter.add_text(self.description)

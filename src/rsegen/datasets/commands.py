@@ -18,7 +18,7 @@ from rsegen.cli.flags import (
     recipe_from,
     recipes_from,
 )
-from rsegen.cli.generate import generate, going_on, run_options, warnings_of
+from rsegen.cli.generate import add_output_flags, generate, going_on, run_options, warnings_of
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counted, counting, progress_shown
@@ -26,7 +26,7 @@ from rsegen.errors import ParameterError
 from rsegen.measuring.parameters import By, ByRobot, From, SameField, To
 from rsegen.params.command import add_flags, command, declared
 from rsegen.params.sorts import Choice, Integer
-from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
+from rsegen.writing.sidecars import Sidecars, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.datasets.making import SeriesProgress
@@ -152,9 +152,7 @@ def add_series(command: Parser) -> None:
     epilog = "docs/difficulty.md defines difficulty, and shows how near the maps come to it."
     command.explain(series.__doc__, epilog)
     add_input(command.group("input"))
-    add_flags(command.group("output"), series, only=declared(generate))
-    for kind in sidecar_kinds():
-        kind.explain(command)
+    add_output_flags(command, series)
     add_flags(command.group("difficulty"), series, without=declared(generate))
     add_recipe_flags(command)
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.params.command import Shell
 from rsegen.params.registry import offered_names
@@ -92,10 +91,13 @@ Formats = Annotated[
 ]
 
 
-def add_format_rows(command: Parser, flag: str = "--formats") -> None:
-    """Add the names of formats and of their options to the help."""
-    title = f"formats for {flag} (rsegen export --list explains them and their options)"
-    command.add_rows(title, lambda: [(", ".join(offered_names("rsegen.formats", "rsegen.formats")), "")])
+EXPLAINED = "rsegen export --list explains them and their options"
+"""Where a help that lists the names of formats says that more is to be found."""
+
+
+def row_of_names() -> list[tuple[str, str]]:
+    """Return the names of all formats, as one row of a help."""
+    return [(", ".join(offered_names("rsegen.formats", "rsegen.formats")), "")]
 
 
 def listed() -> Iterator[str]:

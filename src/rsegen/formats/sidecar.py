@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from rsegen.errors import ParameterError
-from rsegen.formats.parameters import Formats, add_format_rows
+from rsegen.formats.parameters import EXPLAINED, Formats, row_of_names
 from rsegen.input_files import open_regular
 from rsegen.params.sorts import Json
 from rsegen.writing.sidecars import Sidecar
 
 if TYPE_CHECKING:
-    from rsegen.cli.parser import Parser
+    from rsegen.cli.parser import Rows
     from rsegen.formats.base import Format
     from rsegen.gazebo import Bundle
     from rsegen.recipe.recipe import Recipe
@@ -33,6 +33,7 @@ class FormatFiles(Sidecar):
     name: ClassVar[str] = "formats"
     parameter: ClassVar[object] = Formats
     default: ClassVar[object] = ()
+    rows: ClassVar[Rows | None] = (f"formats for --formats ({EXPLAINED})", row_of_names)
 
     formats: tuple[Format, ...]
 
@@ -40,11 +41,6 @@ class FormatFiles(Sidecar):
     def of(cls, value: Sequence[Format]) -> FormatFiles:
         """Return the files of these formats."""
         return cls(tuple(value))
-
-    @classmethod
-    def explain(cls, command: Parser) -> None:
-        """Add the names of formats to the help."""
-        add_format_rows(command)
 
     @property
     def notes(self) -> Sequence[str]:

@@ -8,7 +8,6 @@ from pathlib import PurePosixPath
 from typing import Protocol
 
 from rsegen.gazebo import multi, pallet, single
-from rsegen.gazebo.constraint_report import constraint_report
 from rsegen.recipe.codec import map_json
 from rsegen.scene.scene import Scene, csv
 
@@ -37,6 +36,8 @@ def export(scene: Scene) -> Bundle:
     files = MESH_TYPES[scene.recipe.mesh_type].files(scene)
     files["levels.csv"] = csv(scene.field)
     if scene.recipe.is_constrained:
+        from rsegen.gazebo.constraint_report import constraint_report
+
         files["constraints.json"] = [(json.dumps(constraint_report(scene), indent=2) + "\n").encode()]
     files["recipe.json"] = [map_json(scene.recipe, scene.index)]
     return {PurePosixPath(path): content for path, content in files.items()}

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from rsegen.gazebo import MESH_TYPES, export
-from rsegen.gazebo.constraint_report import block_warnings
 from rsegen.gazebo.obj import face_count
 from rsegen.recipe.building import covered_obstacles
 from rsegen.recipe.recipe import Recipe
@@ -69,8 +68,11 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     if not scene.field.levels.any():
         lines.append("every block is at level 0: there is nothing to see except frames and ground")
     lines += covered_obstacles_in_words(scene)
-    lines += block_warnings(scene)
     recipe = scene.recipe
+    if recipe.is_constrained:
+        from rsegen.gazebo.constraint_report import block_warnings
+
+        lines += block_warnings(scene)
     is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
     if recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction):
         lines.append(

@@ -52,8 +52,7 @@ def add_terrain(command: Parser) -> None:
 def run_terrain(arguments: argparse.Namespace) -> Report:
     """Write it, and say what was made."""
     from rsegen.learning.terrain import Terrain
-    from rsegen.recipe.examples import or_example
-    from rsegen.recipe.recipe_file import load
+    from rsegen.recipe.recipe_file import load, or_example
 
     values = checked_flags(TerrainDesign, arguments) | checked_flags(_Tiles, arguments)
     seed, size = values.pop("seed", None), values.pop("spots", None)

@@ -348,6 +348,7 @@ class CommandForm:
     @classmethod
     def of(cls, known: Command, parser: Any) -> CommandForm:
         """Return the form of a command from its declaration and its parser."""
+        parser.describe_flags()
         name = known.name
         actions = {action.dest: action for action in parser.actions}
         arguments = {action.dest for action in parser.actions if not action.option_strings}

@@ -31,7 +31,8 @@ from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Kind, Places, kind_of, names_in
 from rsegen.params.sorts import Json
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.writing.targets import recipe_files, recipe_in
+from rsegen.recipe.recipe_file import recipe_in
+from rsegen.writing.targets import recipe_files
 
 
 class Row(TypedDict):

@@ -156,27 +156,41 @@ def add_flags(
 ) -> None:
     """Add a flag for each declared parameter to a parser of argparse, or to a group of one.
 
-    Its action keeps the `Declared` as `declared`, so a form can be made of a parser.
+    Its action keeps the `Declared` as `declared`, of which `describe_flag` and forms are made.
 
     only: the names of those to add, by default all; without: those to leave out
     """
     for parameter in declared(owner).values():
         if parameter.name in without or (only and parameter.name not in only):
             continue
-        options: dict[str, Any] = {"metavar": parameter.metavar}
-        options |= {"action": "append"} if hasattr(parameter.sort, "repeats") else {}
+        options: dict[str, Any] = {"action": "append"} if hasattr(parameter.sort, "repeats") else {}
         if parameter.is_switch:
             options = {"action": "store_const", "const": not parameter.default}
-        add_flag(group, parameter, parameter.help, required=parameter.shell.required, **options)
+        add_flag(group, parameter, required=parameter.shell.required, **options)
 
 
-def add_flag(group: Any, parameter: Declared, text: str, **options: Any) -> Any:
-    """Add a flag for a declared parameter, with a help and options of argparse; return its action."""
-    action = group.add_argument(*parameter.flags, dest=parameter.name, help=text.replace("%", "%%"), **options)
-    action.declared = parameter  # for forms
-    known, words = parameter.known_names, parameter.words
-    action.completer = (lambda **_: known() if known else words) if known or words else None  # for argcomplete
+def add_flag(group: Any, parameter: Declared, text: str | None = None, **options: Any) -> Any:
+    """Add a flag for a declared parameter, with options of argparse; return its action.
+
+    text: its help, if it is not the parameter's
+    """
+    action = group.add_argument(*parameter.flags, dest=parameter.name, help=text and text.replace("%", "%%"), **options)
+    action.declared = parameter
     return action
+
+
+def describe_flag(action: Any) -> None:
+    """Give the action of a declared parameter its help, metavar and completer where it has none; parsing needs none."""
+    parameter: Declared | None = getattr(action, "declared", None)
+    if parameter is None:
+        return
+    if action.help is None:
+        action.help = parameter.help.replace("%", "%%")
+    if action.metavar is None and action.nargs != 0:
+        action.metavar = parameter.metavar
+    known, words = parameter.known_names, parameter.words
+    if not hasattr(action, "completer") and (known or words):
+        action.completer = lambda **_: known() if known else words  # for argcomplete
 
 
 def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -> dict[str, Any]:

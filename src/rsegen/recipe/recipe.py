@@ -4,15 +4,14 @@
     MapDesign        size, obstacles, constraints, seed: nothing else decides the levels of a map
     Representation   meshes, collision shapes, friction, colours: the map in a simulator
 
-All three are one flat list of parameters in files, flags, Python and the page; inside, each part of rsegen takes the
-one that it needs.
+All three are one flat list of parameters in files, flags, Python and the page, and a `Recipe` checks them together;
+what builds levels takes a `MapDesign` only.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
-from typing import Annotated, TypeVar
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, ListOf, Text, changed, parameters, plain, validate
@@ -40,11 +39,7 @@ class Run:
     maps: Annotated[int, Integer(1, help="number of maps to generate")] = 1
     first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first map")] = 0
 
-    def __post_init__(self) -> None:
-        validate(self)
-        self.check_run()
-
-    def check_run(self) -> None:
+    def _check_run(self) -> None:
         """Raise a ParameterError if the last index is too large."""
         if self.first_map + self.maps > SEEDS:
             raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
@@ -123,10 +118,6 @@ class Representation:
         ListOf(_COLOUR, help="colours of blocks of level 1, 2, ...; higher levels keep the default ones"),
     ] = None
 
-    def __post_init__(self) -> None:
-        validate(self)
-        self.check_representation()
-
     @property
     def is_textured(self) -> bool:
         """Return whether the blocks have textures."""
@@ -138,7 +129,7 @@ class Representation:
         given = (self.frame_friction, *(self.level_friction or ()))
         return all(friction in (None, self.friction) for friction in given)
 
-    def check_representation(self) -> None:
+    def _check_representation(self) -> None:
         """Raise a ParameterError for a shape that models of this mesh type cannot have."""
         if self.mesh_type == "multi" and self.mesh != "merged":
             raise ParameterError("mesh", f"'{self.mesh}' is for mesh_type single and pallet; multi is made of boxes")
@@ -150,9 +141,6 @@ class Representation:
             raise ParameterError("tile", f"{self.tile} is for mesh_type single; use 0 with mesh_type {self.mesh_type}")
         if self.tile and self.mesh == "watertight":
             raise ParameterError("tile", f"{self.tile} would cut a watertight mesh open; use 0, or mesh merged")
-
-
-_Part = TypeVar("_Part", Run, MapDesign, Representation)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,24 +155,9 @@ class Recipe(Representation, MapDesign, Run):
 
     def __post_init__(self) -> None:
         validate(self)
-        self.check_run()
-        self.check_representation()
+        self._check_run()
+        self._check_representation()
         self.check_design()
-
-    @cached_property
-    def run(self) -> Run:
-        """Number of maps to make, and their name."""
-        return self._part(Run)
-
-    @cached_property
-    def design(self) -> MapDesign:
-        """Design of the maps: two recipes of one design have maps of the same levels."""
-        return self._part(MapDesign)
-
-    @cached_property
-    def representation(self) -> Representation:
-        """Representation of a map in a simulator."""
-        return self._part(Representation)
 
     def alone(self, index: int) -> Recipe:
         """Return the recipe of map `index` and no other."""
@@ -198,6 +171,3 @@ class Recipe(Representation, MapDesign, Run):
     def entry(self) -> dict[str, Json]:
         """Return the recipe as a file has it: parameters that differ from their defaults, the seed, the obstacles."""
         return changed(self) | {"obstacles": [obstacle.entry() for obstacle in self.obstacles]}
-
-    def _part(self, cls: type[_Part]) -> _Part:
-        return cls(**{field.name: getattr(self, field.name) for field in fields(cls)})

@@ -1,4 +1,4 @@
-"""Read recipe files, and make their text: JSON if the name ends in .json, else YAML.
+"""Read recipe files, by path or name, and make their text: JSON if the name ends in .json, else YAML.
 
 Files may come from anybody: their size is bounded, and so is the work for a text of that size (`yaml_loader`).
 """
@@ -6,13 +6,15 @@ Files may come from anybody: their size is bounded, and so is the work for a tex
 from __future__ import annotations
 
 import json
+import os.path
 from pathlib import Path
 
-from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.errors import FileError, ParameterError, UserError, did_you_mean
 from rsegen.input_files import file_type, parser_message, refuse_duplicates, regular_content, text_of
 from rsegen.params.capabilities import hooks
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode
+from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 
 MAX_RECIPE_MIB = {".json": 64, ".yaml": 4}
@@ -41,6 +43,38 @@ def load(path: str | Path) -> Recipe:
     """
     recipe, _ = recipe_and_content(Path(path))
     return recipe
+
+
+def named_recipe(text: str) -> Recipe:
+    """Return the recipe that a text stands for: a file, the name of an example, the folder of a map, or DIR#17."""
+    if not os.path.isdir(text):
+        return recipe_in(or_example(text))
+    path = Path(text) / "recipe.json"
+    if not path.is_file():
+        raise FileError(
+            f"{text}: a folder without a recipe.json; use a recipe file, the folder of a map, or DIR#0 of a data set"
+        )
+    return recipe_in(path)
+
+
+def or_example(path: str | Path) -> Path:
+    """The path, or the example that is called so where nothing stands at the path."""
+    path = Path(path)
+    if path.exists():
+        return path
+    if str(path) not in EXAMPLES and "#" not in str(path) and (guess := did_you_mean(str(path), EXAMPLES)):
+        raise FileError(f"{path}: neither a file nor the name of an example{guess}")
+    return EXAMPLES.get(str(path), path)
+
+
+def recipe_in(path: str | Path) -> Recipe:
+    """Return the recipe in a file or, if there is none, what a capability knows by the text, as a map of a data set."""
+    if not os.path.lexists(path):
+        for recipe_of in hooks("targets"):
+            recipe: Recipe | None = recipe_of(str(path))
+            if recipe:
+                return recipe
+    return load(path)
 
 
 def recipe_and_content(path: Path) -> tuple[Recipe, object]:

@@ -30,7 +30,7 @@ from rsegen.input_files import text_of
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import load
+from rsegen.recipe.recipe_file import load, recipe_in
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.links import rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
@@ -42,7 +42,7 @@ from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
 from rsegen.writing.target_worlds import Target, chosen, scene_of, write_world
-from rsegen.writing.targets import recipe_files, recipe_in
+from rsegen.writing.targets import recipe_files
 
 _ROUNDING = 1e-3
 """Slack of a gap, metres: positions on the grid are rounded to millimetres."""

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from rsegen.params.capabilities import hooks
 
 if TYPE_CHECKING:
-    from rsegen.cli.parser import Parser
+    from rsegen.cli.parser import Rows
     from rsegen.gazebo import Bundle
     from rsegen.recipe.recipe import Recipe
     from rsegen.scene.scene import Scene
@@ -41,6 +41,9 @@ class Sidecar(ABC):
     default: ClassVar[object] = False
     """The value of the parameter with which there are none."""
 
+    rows: ClassVar[Rows | None] = None
+    """Rows of names that the help of a command that writes worlds has for it, and their title."""
+
     @classmethod
     def of(cls, value: Any) -> Sidecar:
         """Return what a value of the parameter asks for."""
@@ -50,10 +53,6 @@ class Sidecar(ABC):
     def in_memory(self) -> Collection[InMemory]:
         """Outputs made in memory for the files of a map, from which the memory of a run is estimated."""
         return ()
-
-    @classmethod  # noqa: B027  # most have nothing to add
-    def explain(cls, command: Parser) -> None:
-        """Add to the help of a command that writes worlds."""
 
     @property
     def notes(self) -> Sequence[str]:

@@ -12,20 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.params.capabilities import hooks
-from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import load
-
-
-def recipe_in(path: str | Path) -> Recipe:
-    """Return the recipe in a file or, if there is none, what a capability knows by the text, as a map of a data set."""
-    if not os.path.lexists(path):
-        for recipe_of in hooks("targets"):
-            recipe: Recipe | None = recipe_of(str(path))
-            if recipe:
-                return recipe
-    return load(path)
+from rsegen.recipe.recipe_file import or_example, recipe_in
 
 
 class ChosenMap(NamedTuple):
