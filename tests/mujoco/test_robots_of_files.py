@@ -203,7 +203,7 @@ def test_masses_are_those_of_the_file_as_in_gazebo(tmp_path: Path) -> None:
     world = world_of(robot)
     assert world.model.body("robot").subtreemass[0] == pytest.approx(3.4, abs=1e-4)
     assert world.model.body("robot/imu").inertia == pytest.approx(np.ones(3))
-    assert robot.remarks == ("each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it; give one to imu",)
+    assert robot.remarks == ("each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: imu",)
 
 
 def test_moments_of_inertia_that_fit_into_no_shape_are_told(tmp_path: Path) -> None:

@@ -350,7 +350,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
             (
                 links_by_default(frames),
-                "each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it; give one to {}",
+                "each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: {}",
             ),
             (swollen_inertias(frames, driven), "the moments of inertia of {} are far more than fit into their shapes"),
         )
