@@ -43,17 +43,13 @@ def _rows_of(title: str) -> list[tuple[str, str]]:
     return [(command.name, command.help) for command in commands().values() if command.group == title]
 
 
-def parser_of(command: str) -> Parser:
-    """Return the parser of one command, whose module is imported for it."""
-    return _filled(Parser(prog=f"rsegen {command}"), command)
-
-
-def _filled(empty: Parser, command: str) -> Parser:
-    """Return a parser with the flags of a command, and the function that runs it."""
+def parser_of(command: str, empty: Parser | None = None) -> Parser:
+    """Return the parser of one command, or `empty` with its flags and the function that runs it; imports its module."""
+    full = empty or Parser(prog=f"rsegen {command}")
     module = import_module(commands()[command].module)
-    import_module("rsegen.cli.report").add_shared_flags(empty, getattr(module, f"add_{command}"))
-    empty.set_defaults(run=getattr(module, f"run_{command}"))
-    return empty
+    import_module("rsegen.cli.report").add_shared_flags(full, getattr(module, f"add_{command}"))
+    full.set_defaults(run=getattr(module, f"run_{command}"))
+    return full
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:
@@ -94,7 +90,7 @@ def complete() -> None:
     for name in commands():  # argcomplete looks into each parser
         empty = parsers.add_parser(name)
         if name == named:
-            _filled(empty, name).describe_flags()
+            parser_of(name, empty).describe_flags()
     argcomplete.autocomplete(top, always_complete_options="long")
 
 
