@@ -17,7 +17,7 @@ from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, 
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, maps_bar
 from rsegen.params.command import add_flags, command, declared, given
-from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
+from rsegen.writing.sidecars import chosen_sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -74,7 +74,7 @@ def generate(  # noqa: PLR0913  # each is a flag
     plan = plan_worlds(
         recipe,
         Path(folder),
-        Sidecars.of(sidecars),
+        chosen_sidecars(sidecars),
         OnExisting.of(force=force, resume=resume),
         execution,
         beside=beside or (),
@@ -131,9 +131,9 @@ def run_options(function: Callable[..., object], arguments: argparse.Namespace) 
     from rsegen.writing.execute import cores
 
     options = {"workers": cores()} | given(function, arguments)
-    for note in Sidecars.of(options).notes:
-        if not arguments.quiet:
-            print(f"rsegen: {note}", file=sys.stderr)
+    notes = [note for sidecar in chosen_sidecars(options) for note in sidecar.notes]
+    for note in () if arguments.quiet else notes:
+        print(f"rsegen: {note}", file=sys.stderr)
     return options
 
 

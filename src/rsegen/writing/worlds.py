@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +23,7 @@ from rsegen.writing.execute import Execution
 from rsegen.writing.journal import read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps, run_in
 from rsegen.writing.resources import check_needs
-from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.sidecars import Sidecar, are_complete
 from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit, sorted_names
 
 
@@ -109,7 +109,7 @@ WorldsPlan = RunPlan[int, GeneratedMap]
 def plan_worlds(
     recipe: Recipe,
     folder: Path,
-    sidecars: Sidecars,
+    sidecars: Sequence[Sidecar],
     on_existing: OnExisting,
     execution: Execution | None = None,
     *,
@@ -121,9 +121,11 @@ def plan_worlds(
     """
     execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
     refuse_busy(folder)
-    existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
-    sidecars.refuse(recipe)
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=sidecars.in_memory)
+    existing = existing_maps(recipe, folder, partial(are_complete, sidecars)) if keep else []
+    for sidecar in sidecars:
+        sidecar.refuse(recipe)
+    in_memory = [thing for sidecar in sidecars for thing in sidecar.in_memory]
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
@@ -158,9 +160,11 @@ def make_worlds(
     return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
 
 
-def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[GeneratedMap]:
+def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Output[GeneratedMap]:
     """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
-    bundle = {**export(scene), **sidecars.files(scene)}
+    bundle = dict(export(scene))
+    for sidecar in sidecars:
+        bundle |= sidecar.files(scene)
     made = GeneratedMap(
         name=scene.name,
         index=scene.index,
@@ -174,14 +178,14 @@ def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[Gener
     return Output(made=made, files=bundle, folder=scene.name)
 
 
-def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
+def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
     """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
-    # Estimates, as in `Sidecars.seconds`: 2 ms for the files and 4 us per cell.
-    return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
+    # Estimates, as in `Sidecar.seconds`: 2 ms for the files and 4 us per cell.
+    return 2e-3 + n_x * n_y * 4e-6 + sum(sidecar.seconds(n_x * n_y) for sidecar in sidecars)
 
 
-def _world(recipe: Recipe, folder: Path, sidecars: Sidecars, index: int) -> Output[GeneratedMap]:
+def _world(recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int) -> Output[GeneratedMap]:
     """Return the files of the world of map `index`, and its scene if it is the only one."""
     scene = compose(recipe, index)
     output = world_output(scene, folder, sidecars)
