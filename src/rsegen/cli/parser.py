@@ -200,11 +200,10 @@ class Parser(argparse.ArgumentParser):
         self._rows.append((title, rows))
 
     def describe_flags(self) -> None:
-        """Give every flag of a declared parameter its help, its word for the value, and what completes it."""
-        from rsegen.params.command import describe_flag
-
+        """Give the flags of declared parameters what help, shells and forms show of them, and parsing does not need."""
         for action in self.actions:
-            describe_flag(action)
+            if parameter := getattr(action, "declared", None):
+                _describe(action, parameter)
 
     def format_help(self) -> str:
         """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
@@ -253,6 +252,17 @@ class Parser(argparse.ArgumentParser):
                 self.error(f"unknown flag {shown(name)}{did_you_mean(name, self.flags)}")
             self.error(f"unexpected argument {shown(text)}")
         return known, unknown
+
+
+def _describe(action: Any, parameter: Any) -> None:
+    """Give the action of a declared parameter the help, metavar and completer that it lacks."""
+    if action.help is None:
+        action.help = parameter.help.replace("%", "%%")
+    if action.metavar is None and action.nargs != 0:
+        action.metavar = parameter.metavar
+    known, words = parameter.known_names, parameter.words
+    if not hasattr(action, "completer") and (known or words):
+        action.completer = lambda **_: known() if known else words
 
 
 def _row(name: str, text: str) -> argparse.Action:
