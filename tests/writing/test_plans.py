@@ -22,8 +22,9 @@ from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.stl import Stl
 from rsegen.writing import resources
 from rsegen.writing.execute import Execution
-from rsegen.writing.plan import OnExisting
-from rsegen.writing.worlds import make_worlds, plan_worlds
+from rsegen.writing.plan import OnExisting, run_in
+from rsegen.writing.store import open_store
+from rsegen.writing.worlds import plan_worlds
 from tests.support.complaints import snapshot
 
 RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Random(levels=3),))
@@ -168,4 +169,5 @@ def test_nothing_is_checked_again_once_the_first_map_is_made(tmp_path: Path, mon
     for name in ("check_needs", "refuse_taken", "refuse_busy", "existing_maps"):
         monkeypatch.setattr(f"rsegen.writing.worlds.{name}", late)
     monkeypatch.setattr("rsegen.writing.store.refuse_taken", late)
-    assert len(make_worlds(RECIPE, plan).maps) == 4
+    with open_store(plan.folder) as store:
+        assert len(run_in(store, plan)) == 4

@@ -67,8 +67,9 @@ def generate(  # noqa: PLR0913  # each is a flag
         Before anything is written, if maps are too large for build sheets.
     """
     from rsegen.writing.execute import Execution
-    from rsegen.writing.plan import OnExisting
-    from rsegen.writing.worlds import make_worlds, plan_worlds
+    from rsegen.writing.plan import OnExisting, run_in
+    from rsegen.writing.store import open_store
+    from rsegen.writing.worlds import Generated, plan_worlds
 
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_worlds(
@@ -80,8 +81,12 @@ def generate(  # noqa: PLR0913  # each is a flag
         beside=beside or (),
     )
     # What lies beside the maps may take long to make, so it is made once nothing refuses the run.
-    files = {name: make() for name, make in (beside or {}).items()}
-    return make_worlds(recipe, plan, progress, files)
+    files = {name: [make()] for name, make in (beside or {}).items()}
+    with open_store(plan.folder, sync=sync) as store:
+        maps = run_in(store, plan, progress)
+        if files:
+            store.put(files, force=plan.replaces)
+    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
 
 
 SHOWN = 10

@@ -1,6 +1,6 @@
-"""Write the worlds of a recipe: `generate` is what the command line, the page and scripts call.
+"""The worlds of a recipe, planned and made for `generate`, which the command line, the page and scripts call.
 
-    Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
+    Recipe --plan_worlds--> RunPlan --run_in: compose, export, write, for each map--> Generated
 
 A map's folder has its world, and next to it optional files, its sidecars: a picture, a build sheet, files for other
 programs. The times of a map only decide how maps are divided among workers, never the result.
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -21,10 +21,10 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution
 from rsegen.writing.journal import read_journal
-from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps, run_in
+from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps
 from rsegen.writing.resources import check_needs
 from rsegen.writing.sidecars import Sidecar, are_complete
-from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit, sorted_names
+from rsegen.writing.store import refuse_busy, refuse_taken, refuse_unit, sorted_names
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,10 +102,6 @@ class Generated:
     already: tuple[int, ...] = ()
 
 
-WorldsPlan = RunPlan[int, GeneratedMap]
-"""The plan of a run that makes worlds; its items are the indices of maps."""
-
-
 def plan_worlds(
     recipe: Recipe,
     folder: Path,
@@ -114,10 +110,12 @@ def plan_worlds(
     execution: Execution | None = None,
     *,
     beside: Iterable[str] = (),
-) -> WorldsPlan:
+) -> RunPlan[int, GeneratedMap]:
     """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does.
 
-    beside: the names of files that `make_worlds` puts into the folder, next to the maps
+    The plan's items are the indices of maps.
+
+    beside: the names of files that `generate` puts into the folder, next to the maps
     """
     execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
     refuse_busy(folder)
@@ -141,23 +139,6 @@ def plan_worlds(
         replaces=on_existing is not OnExisting.REFUSE,
         execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
     )
-
-
-def make_worlds(
-    recipe: Recipe,
-    plan: WorldsPlan,
-    progress: Callable[[GeneratedMap], None] | None = None,
-    beside: Mapping[str, bytes] | None = None,
-) -> Generated:
-    """Make the worlds of a plan; `progress` is called with each map that is done, in their order.
-
-    beside: files that are put next to the maps when all of them are there, by name
-    """
-    with open_store(plan.folder, sync=plan.execution.sync) as store:
-        maps = run_in(store, plan, progress)
-        if beside:
-            store.put({name: [content] for name, content in beside.items()}, force=plan.replaces)
-    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
 
 
 def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Output[GeneratedMap]:
