@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
 from rsegen.params.registry import summary_of_class
 from rsegen.writing.plan import existing_maps
-from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.sidecars import are_complete, chosen_sidecars
 from tests.formats.maps import RECIPES
 from tests.support.complaints import exit_code
 from tests.support.runs import contents
@@ -117,7 +118,7 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
 
 def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) -> None:
     rsegen.export_maps([SMALL], tmp_path / "worlds", [Heightmap()])
-    assert existing_maps(SMALL, tmp_path / "worlds", Sidecars().complete_in) == []
+    assert existing_maps(SMALL, tmp_path / "worlds", partial(are_complete, ())) == []
     assert generated(tmp_path / "worlds", "--resume") == 0
     assert generated(tmp_path / "plain") == 0
     assert contents(tmp_path / "worlds") == contents(tmp_path / "plain")
@@ -127,12 +128,12 @@ def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) ->
 def test_a_map_with_an_invalid_list_of_formats_is_incomplete(content: bytes, tmp_path: Path) -> None:
     formats = [Heightmap()]
     rsegen.generate(SMALL, tmp_path, formats=formats)
-    wanted = Sidecars.of({"formats": formats}).complete_in
+    wanted = partial(are_complete, chosen_sidecars({"formats": formats}))
     homes = [str(tmp_path / f"rse_000{index}") for index in range(3)]
     assert list(map(wanted, homes)) == [True, True, True]
     (tmp_path / "rse_0001" / "formats.json").write_bytes(content)
     assert list(map(wanted, homes)) == [True, False, True]
-    assert all(map(Sidecars().complete_in, homes))
+    assert all(are_complete((), home) for home in homes)
 
 
 @pytest.mark.long(reason="tests/writing/test_execute.py has workers once for all commands")

@@ -12,6 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import rsegen
+from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
 from rsegen.params.command import Shell, add_flags, command, command_schema, declared, flags_in_errors, given, rows
 from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf
@@ -92,7 +93,7 @@ def test_an_error_names_the_flag() -> None:
 
 
 def test_the_help_has_meaning_values_and_default() -> None:
-    parser = argparse.ArgumentParser(prog="tea")
+    parser = Parser(prog="tea")
     add_flags(parser, brew)
     text = " ".join(parser.format_help().split())
     for words in (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -11,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli.edge import main
+from rsegen.cli.parser import Parser
 from rsegen.driving.commands import drive
 from rsegen.mujoco import simulator
 from rsegen.page.forms import field
-from rsegen.params.command import add_flags, declared, describe_flag
+from rsegen.params.command import add_flags, declared
 from rsegen.simulators import open_world, process
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.commands import open as open_command
@@ -82,11 +82,10 @@ def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
         assert parameter.known_names
         assert sorted(parameter.known_names()) == known
         assert field(parameter)["schema"]["anyOf"][0] == {"enum": known}
-    parser = argparse.ArgumentParser()
+    parser = Parser()
     add_flags(parser, drive, only=["simulator"])
-    (action,) = [action for action in parser._actions if action.dest == "simulator"]
-    describe_flag(action)
-    assert set(vars(action)["completer"]()) == {"classic", "mujoco", "sim"}
+    parser.describe_flags()
+    assert set(vars(parser.flags["--simulator"])["completer"]()) == {"classic", "mujoco", "sim"}
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,9 @@ from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.stl import Stl
 from rsegen.writing import resources
 from rsegen.writing.execute import Execution
-from rsegen.writing.plan import OnExisting
-from rsegen.writing.sidecars import Sidecars
-from rsegen.writing.worlds import make_worlds, plan_worlds
+from rsegen.writing.plan import OnExisting, run_in
+from rsegen.writing.store import open_store
+from rsegen.writing.worlds import plan_worlds
 from tests.support.complaints import snapshot
 
 RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Random(levels=3),))
@@ -106,15 +106,15 @@ def test_a_format_without_its_package_leaves_nothing(
 def test_a_plan_of_worlds_has_new_and_existing_maps_and_the_resources(tmp_path: Path) -> None:
     rsegen.generate(replace(RECIPE, maps=1, first_map=2), tmp_path)
     before = snapshot(tmp_path)
-    plan = plan_worlds(RECIPE, tmp_path, Sidecars(), OnExisting.KEEP, Execution(workers=3))
+    plan = plan_worlds(RECIPE, tmp_path, (), OnExisting.KEEP, Execution(workers=3))
     assert (list(plan.to_make), list(plan.existing), plan.execution.workers) == ([0, 1, 3], [2], 3)
     assert snapshot(tmp_path) == before
 
 
 def test_a_plan_does_not_make_the_folder(tmp_path: Path) -> None:
-    plan_worlds(RECIPE, tmp_path / "a", Sidecars(), OnExisting.REFUSE)
+    plan_worlds(RECIPE, tmp_path / "a", (), OnExisting.REFUSE)
     plan_exports([RECIPE], tmp_path / "b", [Heightmap()], OnExisting.REFUSE)
-    plan_series(SeriesPlan(recipe=RECIPE), tmp_path / "c", Sidecars(), OnExisting.KEEP)
+    plan_series(SeriesPlan(recipe=RECIPE), tmp_path / "c", (), OnExisting.KEEP)
     plan_dataset(ShardLayout(recipes=[RECIPE]), tmp_path / "d", OnExisting.KEEP)
     assert list(tmp_path.iterdir()) == []
 
@@ -122,7 +122,7 @@ def test_a_plan_does_not_make_the_folder(tmp_path: Path) -> None:
 def test_a_plan_of_a_series_says_which_of_its_maps_exist(tmp_path: Path) -> None:
     rsegen.series(RECIPE, tmp_path)
     (tmp_path / "rse_0001").rename(tmp_path / "elsewhere")
-    plan = plan_series(SeriesPlan(recipe=RECIPE), tmp_path, Sidecars(), OnExisting.KEEP)
+    plan = plan_series(SeriesPlan(recipe=RECIPE), tmp_path, (), OnExisting.KEEP)
     assert list(plan.existing) == [0, 2, 3]
 
 
@@ -136,7 +136,7 @@ def test_a_plan_of_a_data_set_says_which_shards_are_missing(tmp_path: Path) -> N
 
 def test_workers_are_no_more_than_fit_into_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(resources, "_free_memory", lambda: 5 * resources.BYTES_PER_WORKER)
-    plan = plan_worlds(RECIPE, tmp_path, Sidecars(), OnExisting.REFUSE, Execution(workers=100))
+    plan = plan_worlds(RECIPE, tmp_path, (), OnExisting.REFUSE, Execution(workers=100))
     assert plan.execution.workers == 4
 
 
@@ -165,8 +165,9 @@ def test_nothing_is_checked_again_once_the_first_map_is_made(tmp_path: Path, mon
     def late(*_: object, **__: object) -> None:
         pytest.fail("checked after the plan")
 
-    plan = plan_worlds(RECIPE, tmp_path / "out", Sidecars(), OnExisting.REFUSE)
+    plan = plan_worlds(RECIPE, tmp_path / "out", (), OnExisting.REFUSE)
     for name in ("check_needs", "refuse_taken", "refuse_busy", "existing_maps"):
         monkeypatch.setattr(f"rsegen.writing.worlds.{name}", late)
     monkeypatch.setattr("rsegen.writing.store.refuse_taken", late)
-    assert len(make_worlds(RECIPE, plan).maps) == 4
+    with open_store(plan.folder) as store:
+        assert len(run_in(store, plan)) == 4

@@ -128,7 +128,7 @@ def _obstacle_flag(text: str) -> str:
 
 def obstacle_in(text: str) -> Obstacle:
     """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
-    from rsegen.obstacles import kind
+    from rsegen.obstacles import KINDS
     from rsegen.recipe.codec import decode_obstacle
 
     where = _obstacle_flag(text)
@@ -137,7 +137,7 @@ def obstacle_in(text: str) -> Obstacle:
     except ValueError:
         raise ParameterError(where, "expected a kind and then KEY=VALUE, as in 'peak levels=5'") from None
     try:
-        values = key_values(pairs, parameters(kind(name, "")))
+        values = key_values(pairs, parameters(KINDS.named(name, "")))
         if "kind" in values:
             raise ParameterError("kind", "is given twice")
         return decode_obstacle({"kind": name, **values})

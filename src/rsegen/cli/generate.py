@@ -17,7 +17,7 @@ from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, 
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, maps_bar
 from rsegen.params.command import add_flags, command, declared, given
-from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
+from rsegen.writing.sidecars import chosen_sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -67,21 +67,26 @@ def generate(  # noqa: PLR0913  # each is a flag
         Before anything is written, if maps are too large for build sheets.
     """
     from rsegen.writing.execute import Execution
-    from rsegen.writing.plan import OnExisting
-    from rsegen.writing.worlds import make_worlds, plan_worlds
+    from rsegen.writing.plan import OnExisting, run_in
+    from rsegen.writing.store import open_store
+    from rsegen.writing.worlds import Generated, plan_worlds
 
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_worlds(
         recipe,
         Path(folder),
-        Sidecars.of(sidecars),
+        chosen_sidecars(sidecars),
         OnExisting.of(force=force, resume=resume),
         execution,
         beside=beside or (),
     )
     # What lies beside the maps may take long to make, so it is made once nothing refuses the run.
-    files = {name: make() for name, make in (beside or {}).items()}
-    return make_worlds(recipe, plan, progress, files)
+    files = {name: [make()] for name, make in (beside or {}).items()}
+    with open_store(plan.folder, sync=sync) as store:
+        maps = run_in(store, plan, progress)
+        if files:
+            store.put(files, force=plan.replaces)
+    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
 
 
 SHOWN = 10
@@ -131,9 +136,9 @@ def run_options(function: Callable[..., object], arguments: argparse.Namespace) 
     from rsegen.writing.execute import cores
 
     options = {"workers": cores()} | given(function, arguments)
-    for note in Sidecars.of(options).notes:
-        if not arguments.quiet:
-            print(f"rsegen: {note}", file=sys.stderr)
+    notes = [note for sidecar in chosen_sidecars(options) for note in sidecar.notes]
+    for note in () if arguments.quiet else notes:
+        print(f"rsegen: {note}", file=sys.stderr)
     return options
 
 

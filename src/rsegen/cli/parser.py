@@ -43,17 +43,13 @@ def _rows_of(title: str) -> list[tuple[str, str]]:
     return [(command.name, command.help) for command in commands().values() if command.group == title]
 
 
-def parser_of(command: str) -> Parser:
-    """Return the parser of one command, whose module is imported for it."""
-    return _filled(Parser(prog=f"rsegen {command}"), command)
-
-
-def _filled(empty: Parser, command: str) -> Parser:
-    """Return a parser with the flags of a command, and the function that runs it."""
+def parser_of(command: str, empty: Parser | None = None) -> Parser:
+    """Return the parser of one command, or `empty` with its flags and the function that runs it; imports its module."""
+    full = empty or Parser(prog=f"rsegen {command}")
     module = import_module(commands()[command].module)
-    import_module("rsegen.cli.report").add_shared_flags(empty, getattr(module, f"add_{command}"))
-    empty.set_defaults(run=getattr(module, f"run_{command}"))
-    return empty
+    import_module("rsegen.cli.report").add_shared_flags(full, getattr(module, f"add_{command}"))
+    full.set_defaults(run=getattr(module, f"run_{command}"))
+    return full
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:
@@ -94,7 +90,7 @@ def complete() -> None:
     for name in commands():  # argcomplete looks into each parser
         empty = parsers.add_parser(name)
         if name == named:
-            _filled(empty, name).describe_flags()
+            parser_of(name, empty).describe_flags()
     argcomplete.autocomplete(top, always_complete_options="long")
 
 
@@ -204,11 +200,10 @@ class Parser(argparse.ArgumentParser):
         self._rows.append((title, rows))
 
     def describe_flags(self) -> None:
-        """Give every flag of a declared parameter its help, its word for the value, and what completes it."""
-        from rsegen.params.command import describe_flag
-
+        """Give the flags of declared parameters what help, shells and forms show of them, and parsing does not need."""
         for action in self.actions:
-            describe_flag(action)
+            if parameter := getattr(action, "declared", None):
+                _describe(action, parameter)
 
     def format_help(self) -> str:
         """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
@@ -257,6 +252,17 @@ class Parser(argparse.ArgumentParser):
                 self.error(f"unknown flag {shown(name)}{did_you_mean(name, self.flags)}")
             self.error(f"unexpected argument {shown(text)}")
         return known, unknown
+
+
+def _describe(action: Any, parameter: Any) -> None:
+    """Give the action of a declared parameter the help, metavar and completer that it lacks."""
+    if action.help is None:
+        action.help = parameter.help.replace("%", "%%")
+    if action.metavar is None and action.nargs != 0:
+        action.metavar = parameter.metavar
+    known, words = parameter.known_names, parameter.words
+    if not hasattr(action, "completer") and (known or words):
+        action.completer = lambda **_: known() if known else words
 
 
 def _row(name: str, text: str) -> argparse.Action:

@@ -26,7 +26,7 @@ from rsegen.errors import ParameterError
 from rsegen.measuring.parameters import By, ByRobot, From, SameField, To
 from rsegen.params.command import add_flags, command, declared
 from rsegen.params.sorts import Choice, Integer
-from rsegen.writing.sidecars import Sidecars, with_sidecars
+from rsegen.writing.sidecars import chosen_sidecars, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.datasets.making import SeriesProgress
@@ -84,7 +84,7 @@ def series(  # noqa: PLR0913  # each is a flag
     series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)  # type: ignore[arg-type]  # checked
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_series(
-        series_plan, Path(folder), Sidecars.of(sidecars), OnExisting.of(force=force, resume=resume), execution
+        series_plan, Path(folder), chosen_sidecars(sidecars), OnExisting.of(force=force, resume=resume), execution
     )
     return make_series(series_plan, plan, progress)
 

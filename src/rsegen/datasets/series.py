@@ -32,7 +32,7 @@ from rsegen.writing.execute import Execution, execute
 from rsegen.writing.journal import read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, is_kept, run_in
 from rsegen.writing.resources import check_needs
-from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.sidecars import Sidecar, are_complete
 from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit
 from rsegen.writing.worlds import GeneratedMap, seconds_per_world, world_output
 
@@ -93,13 +93,20 @@ SeriesRun = RunPlan[int, RowAndMap]
 
 
 def plan_series(
-    plan: SeriesPlan, folder: Path, sidecars: Sidecars, on_existing: OnExisting, execution: Execution | None = None
+    plan: SeriesPlan,
+    folder: Path,
+    sidecars: Sequence[Sidecar],
+    on_existing: OnExisting,
+    execution: Execution | None = None,
 ) -> SeriesRun:
     """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
     execution, numbers = execution or Execution(), range(plan.recipe.maps)
-    sidecars.refuse(plan.recipe)
+    for sidecar in sidecars:
+        sidecar.refuse(plan.recipe)
     refuse_busy(folder)
-    needs = check_needs([plan.recipe], len(numbers), folder, "measure", sidecars.in_memory)
+    needs = check_needs(
+        [plan.recipe], len(numbers), folder, "measure", [thing for sidecar in sidecars for thing in sidecar.in_memory]
+    )
     execution = replace(execution, workers=min(execution.workers, needs.maps_at_once))
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
@@ -127,14 +134,14 @@ def plan_series(
     )
 
 
-def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
+def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sequence[Sidecar]) -> list[int]:
     """Return the numbers of the maps that are complete; an OutputError if something else has the name of a map."""
     homes = ((number, folder / plan.map_name(number)) for number in range(plan.recipe.maps))
     return [
         number
         for number, home in homes
         if os.path.lexists(home)
-        and is_kept(home, _recipe_file(map_target(plan, number, line).recipe), sidecars.complete_in)
+        and is_kept(home, _recipe_file(map_target(plan, number, line).recipe), partial(are_complete, sidecars))
     ]
 
 
@@ -157,7 +164,7 @@ def _spans(plan: SeriesPlan, numbers: Iterable[int]) -> tuple[Span, ...]:
 
 
 def _map(
-    plan: SeriesPlan, folder: Path, sidecars: Sidecars, line: Span, existing: frozenset[int], number: int
+    plan: SeriesPlan, folder: Path, sidecars: Sequence[Sidecar], line: Span, existing: frozenset[int], number: int
 ) -> Output[RowAndMap]:
     """Return the row and the files of a map on a line by its number; an existing one is measured only, for its row."""
     target = map_target(plan, number, line)

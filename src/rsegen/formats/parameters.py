@@ -91,13 +91,16 @@ Formats = Annotated[
 ]
 
 
-EXPLAINED = "rsegen export --list explains them and their options"
-"""Where a help that lists the names of formats says that more is to be found."""
-
-
 def row_of_names() -> list[tuple[str, str]]:
     """Return the names of all formats, as one row of a help."""
     return [(", ".join(offered_names("rsegen.formats", "rsegen.formats")), "")]
+
+
+EXPLAINED = "rsegen export --list explains them and their options"
+"""Words of a help that lists the names of formats."""
+
+ROWS = (f"formats for --formats ({EXPLAINED})", row_of_names)
+"""Names of formats in the help of commands that write worlds, under their title."""
 
 
 def listed() -> Iterator[str]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from rsegen.errors import ParameterError
-from rsegen.formats.parameters import EXPLAINED, Formats, row_of_names
+from rsegen.formats.parameters import ROWS, Formats
 from rsegen.input_files import open_regular
 from rsegen.params.sorts import Json
 from rsegen.writing.sidecars import Sidecar
@@ -33,7 +33,7 @@ class FormatFiles(Sidecar):
     name: ClassVar[str] = "formats"
     parameter: ClassVar[object] = Formats
     default: ClassVar[object] = ()
-    rows: ClassVar[Rows | None] = (f"formats for --formats ({EXPLAINED})", row_of_names)
+    rows: ClassVar[Rows | None] = ROWS
 
     formats: tuple[Format, ...]
 

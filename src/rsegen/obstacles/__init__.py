@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from rsegen.obstacles.base import KINDS, Grid, Obstacle, Patch, kind
+from rsegen.obstacles.base import KINDS, Grid, Obstacle, Patch
 
-__all__ = ["KINDS", "Grid", "Obstacle", "Patch", "kind"]
+__all__ = ["KINDS", "Grid", "Obstacle", "Patch"]

@@ -493,11 +493,6 @@ KINDS: Registry[type[Obstacle]] = Registry(
 """Every obstacle class by the name of its kind."""
 
 
-def kind(name: str, where: str = "kind") -> type[Obstacle]:
-    """Return the obstacle class of a kind; UnknownName, which lists the kinds, if there is none."""
-    return KINDS.named(name, where)
-
-
 register = KINDS.register
 """Decorator of an obstacle class, which is known by the name of its kind then."""
 

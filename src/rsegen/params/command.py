@@ -156,7 +156,7 @@ def add_flags(
 ) -> None:
     """Add a flag for each declared parameter to a parser of argparse, or to a group of one.
 
-    Its action keeps the `Declared` as `declared`, of which `describe_flag` and forms are made.
+    Its action keeps the `Declared` as `declared`, of which forms, and `Parser.describe_flags` the help, are made.
 
     only: the names of those to add, by default all; without: those to leave out
     """
@@ -177,20 +177,6 @@ def add_flag(group: Any, parameter: Declared, text: str | None = None, **options
     action = group.add_argument(*parameter.flags, dest=parameter.name, help=text and text.replace("%", "%%"), **options)
     action.declared = parameter
     return action
-
-
-def describe_flag(action: Any) -> None:
-    """Give the action of a declared parameter its help, metavar and completer where it has none; parsing needs none."""
-    parameter: Declared | None = getattr(action, "declared", None)
-    if parameter is None:
-        return
-    if action.help is None:
-        action.help = parameter.help.replace("%", "%%")
-    if action.metavar is None and action.nargs != 0:
-        action.metavar = parameter.metavar
-    known, words = parameter.known_names, parameter.words
-    if not hasattr(action, "completer") and (known or words):
-        action.completer = lambda **_: known() if known else words  # for argcomplete
 
 
 def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -> dict[str, Any]:

@@ -47,12 +47,8 @@ def generator(seed: int, index: int, key: str) -> np.random.Generator:
     """Return the generator of the obstacle `key` in map `index`, which no other obstacle or map influences."""
     import numpy as np
 
-    return np.random.Generator(np.random.PCG64(np.frombuffer(digest(seed, index, key), "<u4")))
-
-
-def digest(seed: int, index: int, key: str) -> bytes:
-    """Return the 16 bytes that seed the generator of the obstacle `key` in map `index`."""
-    return hashlib.blake2b(f"{seed}/{index}/{key}".encode(), digest_size=16).digest()
+    digest = hashlib.blake2b(f"{seed}/{index}/{key}".encode(), digest_size=16).digest()
+    return np.random.Generator(np.random.PCG64(np.frombuffer(digest, "<u4")))
 
 
 def randint(rng: np.random.Generator, low: int, high: int) -> int:
@@ -94,7 +90,7 @@ class Streams:
 
         seeded, rest = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
         digests = []
-        for index in indices:  # as `digest`, which begins anew
+        for index in indices:  # as in `generator`, which begins anew
             own = seeded.copy()
             own.update(f"{index}{rest}".encode())
             digests.append(own.digest())

@@ -204,13 +204,8 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
 
 def placed_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
     """Return the cells of both ends of an obstacle, and the levels that it proposes there, drawn by a generator."""
-    first, last = ends_by(grid, obstacle, rng)
+    first, last = obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
     return first, last, obstacle.patch(grid, first, last, rng)
-
-
-def ends_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """Return the cells of both ends of an obstacle; random coordinates are drawn by a generator."""
-    return obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
 
 
 def impose(levels: Any, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:

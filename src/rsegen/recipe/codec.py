@@ -17,7 +17,7 @@ from typing import Any
 
 from rsegen import __version__
 from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown, shown
-from rsegen.obstacles import KINDS, Obstacle, kind
+from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
 from rsegen.params.registry import summary_of_class
@@ -138,7 +138,7 @@ def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
     """Return the obstacle of one row: `{"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}`."""
     if "kind" not in row:
         raise ParameterError("kind", f"missing; choose a kind of obstacle (known: {', '.join(KINDS)})")
-    cls = kind(row["kind"])
+    cls = KINDS.named(row["kind"], "kind")
     given = {name: value for name, value in row.items() if name != "kind"}
     known = row_parameters(cls)
     refuse_unknown(f"parameter of {cls.kind}", given, known)

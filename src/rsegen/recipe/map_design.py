@@ -308,22 +308,19 @@ def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:
         if obstacle.key in taken:
             raise ParameterError(f"obstacles[{index}].key", f"{shown(obstacle.key)} is another obstacle's key too")
         taken |= {obstacle.key} if obstacle.key else set()
+    # A key is a hash of the row, and identical rows get -1, -2, ... behind it: for each hash, the keys that are left.
     free: dict[str, Iterator[str]] = {}
-    return tuple(obstacle if obstacle.key else _with_key(obstacle, taken, free) for obstacle in obstacles)
+    keyed = list(obstacles)
+    for row, obstacle in enumerate(obstacles):
+        if not obstacle.key:
+            stem = key_stem(obstacle)
+            keyed[row] = _under(obstacle, next(free.setdefault(stem, derived_keys(stem, taken))))
+    return tuple(keyed)
 
 
 _HASHED_NAMES = {"levels": "max_height"}
 """Old names of parameters, which remain in the text of which a key is made: the key decides what is drawn, so
 another word would change every map whose rows have no key of their own."""
-
-
-def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]]) -> Obstacle:
-    """Return the obstacle with a key from a hash of its row; identical rows get -1, -2, ... behind it.
-
-    taken: keys that were given; free: for each hash, the keys that are left, so that numbering goes on.
-    """
-    stem = key_stem(obstacle)
-    return _under(obstacle, next(free.setdefault(stem, derived_keys(stem, taken))))
 
 
 def derived_keys(stem: str, taken: Set[str]) -> Iterator[str]:

@@ -27,7 +27,7 @@ from rsegen.params.sorts import FilePath, parameters
 from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.scan_options import CLOUDS, ScanOptions
-from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.sidecars import chosen_sidecars
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Mask
@@ -108,7 +108,8 @@ def _no_sheet(recipe: Recipe) -> str:
     if pallets > _MOST_PALLETS:
         return f"it would have a page for each of {pallets} chunks; --sheet writes it"
     try:
-        Sidecars.of({"sheet": True}).refuse(recipe)
+        for sidecar in chosen_sidecars({"sheet": True}):
+            sidecar.refuse(recipe)
     except ParameterError as error:
         return str(error)
     return ""

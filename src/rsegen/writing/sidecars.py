@@ -3,7 +3,7 @@
 A capability brings a kind of them as a class, whose name becomes a parameter of `rsegen.generate` and of all that
 writes worlds, and so a flag of their commands:
 
-    --preview  --Sidecars.of-->  Preview()  --files-->  preview.png in the folder of every map
+    --preview  --chosen_sidecars-->  Preview()  --files-->  preview.png in the folder of every map
 """
 
 from __future__ import annotations
@@ -11,10 +11,8 @@ from __future__ import annotations
 import inspect
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
-from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from rsegen.params.capabilities import hooks
@@ -75,53 +73,21 @@ class Sidecar(ABC):
         return 0.5
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Sidecars:
-    """All sidecars that a run makes."""
-
-    chosen: tuple[Sidecar, ...] = ()
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> Sidecars:
-        """Return those that the values of parameters ask for, by the names of their kinds."""
-        return cls(chosen=tuple(kind.of(values[kind.name]) for kind in sidecar_kinds() if values.get(kind.name)))
-
-    @property
-    def in_memory(self) -> list[InMemory]:
-        """Outputs made in memory for them."""
-        return [thing for sidecar in self.chosen for thing in sidecar.in_memory]
-
-    @property
-    def notes(self) -> list[str]:
-        """Notes for the user before the run, a line each."""
-        return [note for sidecar in self.chosen for note in sidecar.notes]
-
-    def refuse(self, recipe: Recipe) -> None:
-        """Raise a UserError if any cannot be made of a recipe's maps."""
-        for sidecar in self.chosen:
-            sidecar.refuse(recipe)
-
-    def files(self, scene: Scene) -> Bundle:
-        """Return their content, by path in the map's folder."""
-        files: dict[PurePosixPath, Any] = {}
-        for sidecar in self.chosen:
-            files |= sidecar.files(scene)
-        return files
-
-    def complete_in(self, home: str) -> bool:
-        """Return whether a map's folder has its world, and all of these files."""
-        is_there = os.path.isfile(os.path.join(home, f"{os.path.basename(home)}.world"))
-        return is_there and all(sidecar.are_in(home) for sidecar in self.chosen)
-
-    def seconds(self, cells: int) -> float:
-        """Return about how long they take for a map with this many cells."""
-        return sum(sidecar.seconds(cells) for sidecar in self.chosen)
-
-
 @cache
 def sidecar_kinds() -> tuple[type[Sidecar], ...]:
     """Return the kinds of sidecars that capabilities bring."""
     return tuple(hooks("sidecars"))
+
+
+def chosen_sidecars(values: Mapping[str, Any]) -> tuple[Sidecar, ...]:
+    """Return the sidecars that the values of parameters ask for, by the names of their kinds."""
+    return tuple(kind.of(values[kind.name]) for kind in sidecar_kinds() if values.get(kind.name))
+
+
+def are_complete(sidecars: Iterable[Sidecar], home: str) -> bool:
+    """Return whether a map's folder has its world, and all files of these sidecars."""
+    has_world = os.path.isfile(os.path.join(home, f"{os.path.basename(home)}.world"))
+    return has_world and all(sidecar.are_in(home) for sidecar in sidecars)
 
 
 def with_sidecars(function: F) -> F:

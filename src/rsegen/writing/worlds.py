@@ -1,6 +1,6 @@
-"""Write the worlds of a recipe: `generate` is what the command line, the page and scripts call.
+"""The worlds of a recipe, planned and made for `generate`, which the command line, the page and scripts call.
 
-    Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
+    Recipe --plan_worlds--> RunPlan --run_in: compose, export, write, for each map--> Generated
 
 A map's folder has its world, and next to it optional files, its sidecars: a picture, a build sheet, files for other
 programs. The times of a map only decide how maps are divided among workers, never the result.
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -21,10 +21,10 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution
 from rsegen.writing.journal import read_journal
-from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps, run_in
+from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps
 from rsegen.writing.resources import check_needs
-from rsegen.writing.sidecars import Sidecars
-from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit, sorted_names
+from rsegen.writing.sidecars import Sidecar, are_complete
+from rsegen.writing.store import refuse_busy, refuse_taken, refuse_unit, sorted_names
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,28 +102,28 @@ class Generated:
     already: tuple[int, ...] = ()
 
 
-WorldsPlan = RunPlan[int, GeneratedMap]
-"""The plan of a run that makes worlds; its items are the indices of maps."""
-
-
 def plan_worlds(
     recipe: Recipe,
     folder: Path,
-    sidecars: Sidecars,
+    sidecars: Sequence[Sidecar],
     on_existing: OnExisting,
     execution: Execution | None = None,
     *,
     beside: Iterable[str] = (),
-) -> WorldsPlan:
+) -> RunPlan[int, GeneratedMap]:
     """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does.
 
-    beside: the names of files that `make_worlds` puts into the folder, next to the maps
+    The plan's items are the indices of maps.
+
+    beside: the names of files that `generate` puts into the folder, next to the maps
     """
     execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
     refuse_busy(folder)
-    existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
-    sidecars.refuse(recipe)
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=sidecars.in_memory)
+    existing = existing_maps(recipe, folder, partial(are_complete, sidecars)) if keep else []
+    for sidecar in sidecars:
+        sidecar.refuse(recipe)
+    in_memory = [thing for sidecar in sidecars for thing in sidecar.in_memory]
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
@@ -141,26 +141,11 @@ def plan_worlds(
     )
 
 
-def make_worlds(
-    recipe: Recipe,
-    plan: WorldsPlan,
-    progress: Callable[[GeneratedMap], None] | None = None,
-    beside: Mapping[str, bytes] | None = None,
-) -> Generated:
-    """Make the worlds of a plan; `progress` is called with each map that is done, in their order.
-
-    beside: files that are put next to the maps when all of them are there, by name
-    """
-    with open_store(plan.folder, sync=plan.execution.sync) as store:
-        maps = run_in(store, plan, progress)
-        if beside:
-            store.put({name: [content] for name, content in beside.items()}, force=plan.replaces)
-    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
-
-
-def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[GeneratedMap]:
+def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Output[GeneratedMap]:
     """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
-    bundle = {**export(scene), **sidecars.files(scene)}
+    bundle = dict(export(scene))
+    for sidecar in sidecars:
+        bundle |= sidecar.files(scene)
     made = GeneratedMap(
         name=scene.name,
         index=scene.index,
@@ -174,14 +159,14 @@ def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[Gener
     return Output(made=made, files=bundle, folder=scene.name)
 
 
-def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
+def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
     """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
-    # Estimates, as in `Sidecars.seconds`: 2 ms for the files and 4 us per cell.
-    return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
+    # Estimates, as in `Sidecar.seconds`: 2 ms for the files and 4 us per cell.
+    return 2e-3 + n_x * n_y * 4e-6 + sum(sidecar.seconds(n_x * n_y) for sidecar in sidecars)
 
 
-def _world(recipe: Recipe, folder: Path, sidecars: Sidecars, index: int) -> Output[GeneratedMap]:
+def _world(recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int) -> Output[GeneratedMap]:
     """Return the files of the world of map `index`, and its scene if it is the only one."""
     scene = compose(recipe, index)
     output = world_output(scene, folder, sidecars)

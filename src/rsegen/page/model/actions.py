@@ -22,7 +22,6 @@ from rsegen.page.calls import checked_arguments
 from rsegen.page.model.session import Entry, Session
 from rsegen.params.sorts import MOST_LEVELS, Cell, Json
 from rsegen.params.streams import generator
-from rsegen.recipe.building import ends_by
 from rsegen.recipe.codec import MOST_OBSTACLES, decode_obstacle
 from rsegen.recipe.map_design import MapDesign
 
@@ -210,7 +209,8 @@ def ends_of(entry: Entry, design: MapDesign, index: int) -> Ends | None:
         return None
     try:
         obstacle.check_size(design.grid)
-        ends = ends_by(design.grid, obstacle, generator(design.seed, index, obstacle.key or ""))
+        drawn = generator(design.seed, index, obstacle.key or "")
+        ends = obstacle.ends(design.grid, *obstacle.wanted_ends(design.grid), drawn)
     except ParameterError:
         return None
     on_map = all(0 <= at < cells for end in ends for at, cells in zip(end, design.grid.shape, strict=True))
