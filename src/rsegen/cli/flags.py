@@ -105,6 +105,8 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """Return a recipe with the flags over it and their obstacles after its own."""
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
     given_flags = recipe_flags(arguments)
+    if not (added or given_flags):
+        return start
     match given_flags:
         case {"inventory": [str(name)]} if name:
             from rsegen.recipe.inventory_file import inventory_in
