@@ -35,7 +35,7 @@ def multi_world(levels: Levels, path: Path) -> int:
     scene = Scene(recipe=recipe, index=0, field=_field(levels))
     (world,) = multi.files(scene).values()
     _write(world, path)
-    return 6 * multi.model_count(scene)
+    return 6 * multi.counts(scene)[0]
 
 
 def merged(levels: Levels) -> int:

@@ -162,7 +162,7 @@ def test_pallets_hold_all_blocks_at_their_place(recipe: Recipe) -> None:
         assert uri == text_of(model, "link/visual/geometry/mesh/uri")
         volume += trimesh.load_mesh(io.BytesIO(files[uri]), file_type="obj").volume
     assert volume == pytest.approx(scene.field.heights.sum() * scene.field.block_width**2, rel=1e-6)
-    assert len(world_of(scene).findall("model")) == 1 + MESH_TYPES["pallet"].model_count(scene)
+    assert len(world_of(scene).findall("model")) == 1 + MESH_TYPES["pallet"].counts(scene)[0]
 
 
 @pytest.mark.parametrize("mesh_type", MESH_TYPES)

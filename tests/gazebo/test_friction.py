@@ -130,7 +130,7 @@ def test_only_frictions_and_collisions_differ_from_a_map_of_one_friction(scene: 
     told, usual = costs(scene), costs(plain)
     assert (told.faces, told.models) == (usual.faces, usual.models)
     shapes = [len(model.findall("link/collision")) for model in models(own, scene)]
-    assert sum(shapes) == told.collisions == MESH_TYPES[scene.recipe.mesh_type].collision_count(scene)
+    assert sum(shapes) == told.collisions == MESH_TYPES[scene.recipe.mesh_type].counts(scene)[1]
     used = {uri for model in models(own, scene) for uri in uris(model, "collision") + uris(model, "visual")}
     assert used == {path for path in own if path.endswith(".obj")}
 

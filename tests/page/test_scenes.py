@@ -64,8 +64,9 @@ def _click(opened: Opened, cell: int) -> None:
 
 def _of_export(functions: dict[str, set[str]]) -> set[str]:
     """Those of the functions that make files or measure."""
-    modules = ("gazebo.bundle", "gazebo.obj", "gazebo.sdf", "geometry.exposed_faces", "measuring")
-    return {name for module, names in functions.items() if module.startswith(modules) for name in names}
+    modules = ("gazebo.obj", "gazebo.sdf", "geometry.exposed_faces", "measuring")
+    names = {name for module, names in functions.items() if module.startswith(modules) for name in names}
+    return names | (functions.get("gazebo.bundle", set()) & {"export"})
 
 
 def test_a_paint_click_makes_no_file_and_measures_nothing(opened: Opened) -> None:
@@ -85,7 +86,8 @@ def test_a_ghost_and_small_maps_measure_nothing_that_they_do_not_show(opened: Op
     for pictures in (partial(variants, count=2), partial(maps, first=0, count=1)):
         made = _ran(partial(pictures, host, doc=opened.id))
         assert "_difficulty" in made["page.scenes"]
-        assert not {module for module in made if module in ("gazebo.bundle", "gazebo.obj", "measuring.spectrum")}
+        assert not {module for module in made if module in ("gazebo.obj", "measuring.spectrum")}
+        assert "export" not in made.get("gazebo.bundle", ())
 
 
 @pytest.mark.parametrize("name", ["mixed-course", "peak", "five-pallet-dash"])

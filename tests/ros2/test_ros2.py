@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Recipe, Scene, compose
-from rsegen.gazebo import single
+from rsegen.gazebo import MESH_TYPES
 from rsegen.heights.base import imported
 from rsegen.heights.image import OccupancyImage
 from rsegen.ros2.ros2 import Ros2, package_name
@@ -175,7 +175,8 @@ def _test_with_linters(colcon: str, workspace: Path, tools: Mapping[str, str]) -
 @pytest.mark.parametrize("scene", [*SCENES.values(), SLIPPERY], ids=[*SCENES, "several frictions"])
 def test_the_model_is_the_one_of_a_single_world(scene: Scene, tmp_path: Path) -> None:
     package = written(scene, tmp_path)
-    expected = {path: b"".join(content) for path, content in single.files(scene).items() if ".world" not in path}
+    files = MESH_TYPES["single"].files(scene)
+    expected = {path: b"".join(content) for path, content in files.items() if ".world" not in path}
     assert contents(package / "models" / scene.name) == expected
     world = ET.parse(package / "worlds" / f"{scene.name}.world").getroot()
     assert [uri.text for uri in world.iter("uri")] == [f"model://{scene.name}"]

@@ -33,9 +33,8 @@ def costs(scene: Scene) -> Costs:
         for piece in content:
             size += len(piece)
             faces += face_count(piece) if path.match("meshes/*.obj") else 0
-    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    models = mesh_type.model_count(scene)
-    return Costs(models, mesh_type.collision_count(scene), faces or 6 * models, size)
+    models, collisions = MESH_TYPES[scene.recipe.mesh_type].counts(scene)
+    return Costs(models, collisions, faces or 6 * models, size)
 
 
 def switched_off(recipe: Recipe) -> list[str]:
@@ -79,15 +78,14 @@ def warnings(scene: Scene) -> tuple[str, ...]:
             "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "
             "set collision: boxes to keep it, which costs CPU time"
         )
-    mesh_type = MESH_TYPES[recipe.mesh_type]
-    models = mesh_type.model_count(scene)
+    models, collisions = MESH_TYPES[recipe.mesh_type].counts(scene)
     # The figures are those of MANY; collisions matter only if the models do not already.
     if models > MANY:
         lines.append(
             f"{models:,} models: Gazebo Classic needs about {models * 1.5 / 1000:,.1f} GB and {models / 100:,.0f} s to "
             "load them, Gazebo Sim CPU time in every step; mesh_type: pallet or single is about 100 times cheaper"
         )
-    elif (collisions := mesh_type.collision_count(scene)) > MANY:
+    elif collisions > MANY:
         lines.append(
             f"{collisions:,} collisions: Gazebo Classic needs about {collisions / 4000:,.1f} GB for them and longer to "
             "load and to step, Gazebo Sim several times the CPU time; collision: mesh costs almost nothing"

@@ -30,16 +30,12 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     return contents | (shapes.material_files(scene) if len(contents) > 1 else {})
 
 
-def model_count(scene: Scene) -> int:
-    """Return the number of cells above the ground."""
+def counts(scene: Scene) -> tuple[int, int]:
+    """Return the number of cells above the ground twice, as each is a model with one collision shape."""
     field = scene.field
     frames = np.count_nonzero(field.frame) if 0 in _heights(field) else 0
-    return int(np.count_nonzero(field.levels) + frames)
-
-
-def collision_count(scene: Scene) -> int:
-    """Return the number of collision shapes: one per box."""
-    return model_count(scene)
+    models = int(np.count_nonzero(field.levels) + frames)
+    return models, models
 
 
 def block_models(scene: Scene) -> Iterator[str]:

@@ -12,7 +12,7 @@ from rsegen.formats.base import Format, Step, register
 from rsegen.formats.encoded import as_json
 from rsegen.formats.occupancy import Climb, Occupancy
 from rsegen.formats.urdf import urdf_files
-from rsegen.gazebo import sdf, single
+from rsegen.gazebo import MESH_TYPES, sdf
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 from rsegen.params.streams import generator
 from rsegen.robots.base import ROBOTS
@@ -81,7 +81,8 @@ class Ros2(Format):
         common = common_files(package, self._robot_files(), self.robot or "none")
         contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common.items()}
         # The map's model, as of mesh type `single`; the package has its own world.
-        model = {path: content for path, content in single.files(scene).items() if path != f"{scene.name}.world"}
+        files = MESH_TYPES["single"].files(scene)
+        model = {path: content for path, content in files.items() if path != f"{scene.name}.world"}
         contents |= {f"models/{scene.name}/{path}": content for path, content in model.items()}
         contents |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")
         contents |= {f"maps/{scene.name}/{path}": content for path, content in self._map(scene).items()}
