@@ -248,9 +248,7 @@ def test_the_shell_says_what_a_file_leaves_to_chance(tmp_path: Path, capsys: pyt
     assert main([*command, "--robot", str(file)]) == 0
     told = capsys.readouterr()
     assert "rse_0000, jackal: crosses with probability 0.9" in told.out
-    assert "note: jackal: each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: imu" in (
-        told.out
-    )
+    assert "note: jackal: each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: imu" in (told.out)
 
 
 def test_without_a_simulator_a_line_says_so(
