@@ -111,7 +111,8 @@ def test_robots_on_wheels_cross_floors_of_blocks_as_commanded(kind: str, engine:
         ("jackal", 4, "mesh", True),
         ("jackal", 11, "mesh", False),
         ("burger", 0.5, "boxes", True),
-        ("burger", 0.5, "mesh", False),
+        ("burger", 0.5, "mesh", True),
+        ("burger", 0.7, "mesh", False),
     ],
 )
 def test_robots_on_wheels_climb_the_steps_of_the_manual(
