@@ -29,7 +29,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -385,9 +384,16 @@ class Lattice:
             best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
             if best is None:
                 return None
-            ending = self._ending(axis, best[1]) if checked else None
+            line, heading = self._line(axis, best[1])
+            ending = self._ending(line, heading) if checked else None
             if ending is None:
-                return self._way_of(axis, best[1])
+                pieces = _straight_pieces(line, heading)
+                lanes = self._followed(line, heading, pieces)
+                if lanes.passed.all() or not checked:
+                    return self._way_of(axis, best[1], lanes)
+                # Few ways that are driven pose by pose are not as each pose follows from the one before.
+                number = int(lanes.passed.argmin())
+                ending = _number_at(line, pieces[number], float(lanes.last[number] / lanes.count[number]))
             # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
             if ending == 0:
                 del starts[best[1][0]]
@@ -397,39 +403,30 @@ class Lattice:
                 self.moves[best[1][ending - 1]] = False
         return None
 
-    def _ending(self, axis: int, places: Sequence[_Place]) -> int | None:
+    def _ending(self, line: Array, heading: Ints) -> int | None:
         """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or next to them.
 
         0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
         """
-        line, heading = self._line(axis, places)
-        turns = _straight_pieces(heading)
-        pieces = [(begin, end) for begin, end in pairwise(turns) if np.any(line[begin] != line[end])]
-        begin, count = 0, 1
+        pieces, begin, count = _straight_pieces(line, heading), 0, 1
         while begin < len(pieces):
             some = pieces[begin : begin + count]
-            begins, ends = np.array(some).T
+            begins, ends = some.T
             length = np.hypot(*(line[ends] - line[begins]).T)
             shares = self._surely_driven(line[begins], heading[begins] * np.pi / 4, length)
-            for (first, last), share in zip(some, shares.tolist(), strict=True):
+            for piece, share in zip(some, shares.tolist(), strict=True):
                 if share < 1:
-                    return _number_at(line, (first, last), share)
+                    return _number_at(line, piece, share)
             # Most ways end on their first pieces; the others are driven in few calls.
             begin, count = begin + count, 2 * count
-        # Few ways that are driven pose by pose are not as each pose follows from the one before.
-        lanes = self._followed(line, heading)
-        if lanes.passed.all():
-            return None
-        number = int(np.flatnonzero(~lanes.passed)[0])
-        return _number_at(line, pieces[number], float(lanes.last[number] / lanes.count[number]))
+        return None
 
-    def _followed(self, line: Array, heading: Ints) -> Lanes:
-        """Return the straight pieces of a way, whose poses follow from those before them."""
-        turns = _straight_pieces(heading)
-        long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
-        begins = turns[:-1][long > 0]
+    def _followed(self, line: Array, heading: Ints, pieces: Ints) -> Lanes:
+        """Return the lanes of the straight pieces of a way, on which each pose follows from the one before."""
+        begins, ends = pieces.T
         x, y = line[begins].T
-        return drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, long[long > 0], follows=True)
+        length = np.hypot(*(line[ends] - line[begins]).T)
+        return drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, length, follows=True)
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
         """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
@@ -629,14 +626,12 @@ class Lattice:
         x, y = (along, aside) if axis == 0 else (aside, along)
         return x, y, length, *self._driven(x, y, np.full(len(x), axis * np.pi / 2), length)
 
-    def _way_of(self, axis: int, places: list[_Place]) -> Way:
+    def _way_of(self, axis: int, places: list[_Place], lanes: Lanes) -> Way:
         """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
         k = np.array(places)[:, 2]
-        line, heading = self._line(axis, places)
+        line, _ = self._line(axis, places)
         points, ends = line[1:-1], line[[0, -1]]
         length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
-        # Once more its lanes from turn to turn, with those at both ends, and where it turns.
-        lanes = self._followed(line, heading)
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
         x, y = np.tile(points[:-1], (3, 1)).T
         turned = settle(self.ground, self.body, x, y, turning.ravel())
@@ -693,12 +688,14 @@ class Lattice:
             begin = m + 1
 
 
-def _straight_pieces(heading: Ints) -> Ints:
-    """Return the numbers of the first lane of each straight piece, and that beyond the last, for headings of lanes."""
-    return np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
+def _straight_pieces(line: Array, heading: Ints) -> Ints:
+    """Return from which place of a line to which each straight piece leads, (n, 2), for the headings of its lanes."""
+    turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
+    pieces = np.stack([turns[:-1], turns[1:]], axis=1)
+    return np.asarray(pieces[(line[turns[:-1]] != line[turns[1:]]).any(axis=1)])
 
 
-def _number_at(line: Array, piece: tuple[int, int], share: float) -> int:
+def _number_at(line: Array, piece: Ints, share: float) -> int:
     """Return the number of the lane at a share of the length of a straight piece, from and to places of a line."""
     first, last = piece
     run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
