@@ -139,7 +139,7 @@ class _Builder:
         self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
         drive = placed.robot.drive
-        self._driven = {self._frames.child(name) for name in (*drive.left, *drive.right) if name in self._frames.joints}
+        self._driven = self._frames.on_joints((*drive.left, *drive.right))
         self._has_mecanum = False
         self._add_bodies(self._frames.local(element))
         self._add_followers()

@@ -337,8 +337,9 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames)])
-    names = (*drive.drive.left, *drive.drive.right) if drive else ()
-    driven = {frames.child(name) for name in names if name in frames.joints}  # a rotor adds to the moments of a wheel
+    turned = (
+        frames.on_joints((*drive.drive.left, *drive.drive.right)) if drive else set[str]()
+    )  # a rotor adds to theirs
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
@@ -352,7 +353,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
                 links_by_default(frames),
                 "each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: {}",
             ),
-            (swollen_inertias(frames, driven), "the moments of inertia of {} are far more than fit into their shapes"),
+            (swollen_inertias(frames, turned), "the moments of inertia of {} are far more than fit into their shapes"),
         )
         if names
     ]

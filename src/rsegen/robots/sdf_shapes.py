@@ -9,7 +9,7 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import radians
 from pathlib import Path
@@ -75,6 +75,10 @@ class ModelFrames:
     def child(self, joint: str) -> str:
         """Return the link that a joint turns."""
         return self._link(joint, "child")
+
+    def on_joints(self, names: Iterable[str]) -> set[str]:
+        """Return the links that joints of these names turn; names that are none, as of tracks, have none."""
+        return {self.child(name) for name in names if name in self.joints}
 
     def parent(self, joint: str) -> str:
         """Return the link that a joint hangs on."""
@@ -228,9 +232,10 @@ def swollen_inertias(frames: ModelFrames, but: Collection[str]) -> list[str]:
     units or by a default, and such a robot takes seconds to tip by a degree.
     """
     masses, shapes, found = inertials(frames), frames.shapes, []
+    left_out = {*but, *links_by_default(frames)}
     for link, element in frames.links():
         extent = shapes.of(link)
-        if extent is not None and link not in but and element.find("inertial/mass") is not None:
+        if extent is not None and link not in left_out:
             size, largest = extent.high - extent.low, np.linalg.eigvalsh(inertia_tensor(link, element, frames))[2]
             if largest > _SWOLLEN * masses[link].mass * (size @ size) / 4:
                 found.append(link)
