@@ -32,13 +32,14 @@ def with_table(text: str, results: Results, below: Iterable[str] = ()) -> str:
     return filled(text, [*_small(results), *below])
 
 
-def filled(text: str, lines: Iterable[str]) -> str:
+def filled(text: str, lines: Iterable[str], marks: tuple[str, str] = MARKS) -> str:
     """A text, with the lines between its marks put in the place of those that are there."""
-    before, _, rest = text.partition(MARKS[0])
-    _, found, after = rest.partition(MARKS[1])
+    begin, end = marks
+    before, _, rest = text.partition(begin)
+    _, found, after = rest.partition(end)
     if not found:
-        raise ValueError(f"the text has no line {MARKS[0]} with {MARKS[1]} after it")
-    return before + "\n".join((MARKS[0], *lines, MARKS[1])) + after
+        raise ValueError(f"the text has no line {begin} with {end} after it")
+    return before + "\n".join((begin, *lines, end)) + after
 
 
 def _page(results: Results) -> Iterator[str]:

@@ -23,6 +23,7 @@ import rsegen
 from benchmarks import (
     agreement,
     ant_on_blocks,
+    asked,
     busy,
     certainty,
     crossable,
@@ -194,6 +195,12 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
 """Modules of algorithms by the part of docs/algorithms.md that shows their docstrings."""
 
 
+def _constraints() -> str:
+    """Return the page of constraints with its two tables."""
+    text = filled(CONSTRAINTS.read_text("utf-8"), asked.table(json.loads(asked.FILE.read_text("utf-8"))), asked.MARKS)
+    return filled(text, crossable.table(json.loads(crossable.FILE.read_text("utf-8"))))
+
+
 def texts() -> dict[Path, str]:
     """Every generated text by its file."""
     figures = loaded(RESULTS / "speed.json")
@@ -207,9 +214,7 @@ def texts() -> dict[Path, str]:
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
-        CONSTRAINTS: filled(
-            CONSTRAINTS.read_text("utf-8"), crossable.table(json.loads(crossable.FILE.read_text("utf-8")))
-        ),
+        CONSTRAINTS: _constraints(),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
         RATING: filled(RATING.read_text("utf-8"), rating.table(rated)),
         README: filled(README.read_text("utf-8"), rating.summary(rated)),

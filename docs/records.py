@@ -53,6 +53,11 @@ SOURCES: Mapping[str, Source] = {
         "python -m benchmarks.ant_on_blocks",
         ("benchmarks/ant_on_blocks.py", "benchmarks/ant.py", "src/rsegen/learning"),
     ),
+    "asked": Source(
+        "[as surely as asked](constraints.md)",
+        "python -m benchmarks.asked",
+        ("benchmarks/asked.py", "src/rsegen/recipe/constraints", *_IN_MUJOCO),
+    ),
     "burgers": Source("[at full speed](burgers.md)", "rsegen experiment burgers", _TRIALS),
     "busy": Source(
         "[busy machines](busy.md)", "python -m benchmarks.busy", ("benchmarks/busy.py", "src/rsegen/simulators")

@@ -8,6 +8,7 @@ from rsegen.datasets.commands import series as series
 from rsegen.datasets.reading import Dataset as Dataset
 from rsegen.datasets.series import Series as Series
 from rsegen.datasets.tiles import Tiles as Tiles
+from rsegen.driving.certainty import with_certainty as with_certainty
 from rsegen.driving.commands import drive as drive
 from rsegen.driving.commands import drive_many as drive_many
 from rsegen.driving.commands import predict as predict
@@ -213,4 +214,5 @@ __all__ = [
     "stable_poses",
     "verify",
     "view",
+    "with_certainty",
 ]

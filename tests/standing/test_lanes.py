@@ -234,3 +234,15 @@ def test_a_robot_that_needs_more_momentum_than_an_edge_leaves_has_no_room_to_spa
     assert (robot is not None) == climbs
     if robot is not None:
         assert robot.speed < body.speed
+
+
+@pytest.mark.parametrize("kind", BODIES)
+def test_with_less_room_to_spare_a_robot_is_driven_with_more_of_what_it_has(kind: str) -> None:
+    body = BODIES[kind]
+    field = field_of(np.ones((10, 10), int), 0.002)
+    robots = [careful(field, body, room) for room in (0.0, 0.5, 1.0)]
+    speeds = [robot.speed for robot in robots if robot]
+    assert len(speeds) == 3
+    assert speeds[0] == body.speed > speeds[1] > speeds[2]
+    assert [part.mu for part in robots[0].parts] == [part.mu for part in body.parts]  # type: ignore[union-attr]
+    assert speeds[1] ** 2 == pytest.approx((speeds[0] ** 2 + speeds[2] ** 2) / 2)

@@ -17,6 +17,7 @@ from rsegen.cli.parser import Group, Parser
 from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Shell, add_flag, declared, given
 from rsegen.params.sorts import key_values, parameters
+from rsegen.recipe.certainty import answered
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -114,7 +115,8 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", given_flags.get("unit_cm", start.unit_cm))
             given_flags["inventory"] = inventory_in(Path(name), unit)
     try:
-        return replace(start, **given_flags, obstacles=(*start.obstacles, *added))
+        obstacles = (*start.obstacles, *added)
+        return answered(lambda values: replace(start, **values, obstacles=obstacles), given_flags)
     except ParameterError as error:
         place = re.match(r"obstacles\[(\d+)\]\.?", error.where)
         if place is None or (number := int(place[1]) - len(start.obstacles)) < 0:
@@ -155,7 +157,7 @@ _METAVARS = {
     "level_friction": "N,N,...",
     "frame_colour": "'#RRGGBB'",
     "level_colours": "'#RRGGBB,...'",
-    "crossable_by": "ROBOT|CM,CM,CM",
+    "crossable_by": "ROBOT[:CERTAINTY]|CM,CM,CM",
     "inventory": "FILE.csv|N,N,...",
 }
 

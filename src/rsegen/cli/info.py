@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rsegen.scene.scene import Scene
 
 
-_CONSTRAINTS = ("max_step", "crossable_by", "inventory")
+_CONSTRAINTS = ("max_step", "crossable_by", "crossable_room", "inventory")
 
 
 _LONGEST = 100

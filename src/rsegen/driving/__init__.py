@@ -38,9 +38,11 @@ CAPABILITY = Capability(
         "rsegen.driving.commands": ("drive", "drive_many", "predict"),
         "rsegen.driving.drive": ("DriveResult",),
         "rsegen.driving.many": ("ManyDrives",),
+        "rsegen.driving.certainty": ("with_certainty",),
         "rsegen.driving.prediction": ("Outcome", "Prediction"),
     },
     predictor="rsegen.driving.planning:predictions",
+    certainty="rsegen.driving.certainty:with_certainty",
     calls=("rsegen.driving.page",),
     manual="driving",
 )

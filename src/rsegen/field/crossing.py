@@ -137,10 +137,13 @@ class StepLimits(CrossingModel):
         return f"a path of steps of up to {up} up and {down} down{wide}"
 
 
-def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:
-    """Return the robot of a kind or, unless `kind_only`, of a file; UnknownName or FileError if there is none."""
+def robot_that_crosses(what: object, where: str, *, kind_only: bool = False, room: float = 1.0) -> CrossingModel:
+    """Return the robot of a kind or, unless `kind_only`, of a file; UnknownName or FileError if there is none.
+
+    room: how much room to spare lanes for it have, as a share of what is usual
+    """
     for find in hooks("crossers"):
-        robot: CrossingModel = find(what, where, kind_only=kind_only)
+        robot: CrossingModel = find(what, where, kind_only=kind_only, room=room)
         return robot
     named = os.fspath(what) if isinstance(what, str | os.PathLike) else what
     raise ParameterError(where, f"{shown(named)}: no robots are installed; use limits of steps")

@@ -139,7 +139,8 @@ def _roughness(field: StepField, cells: Mask) -> dict[str, float | None]:
 def _crossing_parameters(recipe: Recipe) -> dict[str, Any]:
     """Return what is to get across: a robot by its kind, or limits of steps."""
     if isinstance(recipe.crossable_by, str):
-        return {"robot": recipe.crossable_by}
+        room = {} if recipe.crossable_room == 1 else {"room": recipe.crossable_room}
+        return {"robot": recipe.crossable_by, **room}
     return dict(zip(("climb_cm", "drop_cm", "width_cm"), recipe.crossable_by or (), strict=False))
 
 
@@ -162,7 +163,9 @@ def describe_constraints(scene: Scene, report: dict[str, Any]) -> Iterator[str]:
             what, lacks = f"a {steps}", f"no {steps}"
         is_to_drive = "robot" in asked and paths and "predict" in commands()
         drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
-        yield f"{what} across from {' and from '.join(paths)}{drive}" if paths else f"{lacks} across"
+        room = asked.get("room", 1)
+        room = "" if room == 1 else f", with {room:.0%} of the usual room to spare" if room < 1 else ", on level lanes"
+        yield f"{what} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
         if "lowered" in crossable:
             blocks, at_0 = crossable["lowered"].values()
             of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"

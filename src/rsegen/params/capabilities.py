@@ -74,6 +74,7 @@ class Capability(NamedTuple):
     reads: a function from the path of a file and its first bytes to what reads it, as `rsegen scan`, or an empty text
     crossers: a function that finds the robot of a kind or file, which crosses fields (`field/crossing.py`)
     predictor: a function that tells how surely a robot gets across a scene (`field/crossing.py`)
+    certainty: a function from a recipe and a probability to the recipe whose robot crosses so surely
     doctor: a function that looks at this machine, and gives a `Finding`
     words: the known words of parameters, for forms and completion, by the parameter's name
     calls: modules with functions that the page may call
@@ -92,6 +93,7 @@ class Capability(NamedTuple):
     reads: str = ""
     crossers: str = ""
     predictor: str = ""
+    certainty: str = ""
     doctor: str = ""
     words: Mapping[str, str] = MappingProxyType({})
     calls: tuple[str, ...] = ()

@@ -74,6 +74,9 @@ class CrossableBySort:
 
     def check(self, where: str, value: object) -> str | tuple[float, ...]:
         if isinstance(value, str):
+            if ":" in value:  # a recipe has what came out of it
+                problem = f"{shown(value)} asks for a certainty, which files, flags and rsegen.with_certainty answer"
+                raise ParameterError(where, problem)
             robot_that_crosses(value, where, kind_only=True)
             return value
         return _FIGURES.check(where, value)
@@ -147,6 +150,15 @@ class MapDesign:
             "robot, checked by its poses; or a path of cells with these steps up and down and this width"
         ),
     ] = None
+    crossable_room: Annotated[
+        float,
+        Float(
+            0,
+            2,
+            help="how much room to spare the lanes of a robot in crossable_by have, as a share of what is usual: 0 "
+            "leaves maps as rough as poses allow, more than 1 makes lanes level",
+        ),
+    ] = 1.0
     inventory: Annotated[
         tuple[int, ...] | None,
         ListOf(
@@ -199,7 +211,7 @@ class MapDesign:
         if self.crossable_by is None:
             return None
         if isinstance(self.crossable_by, str):
-            return robot_that_crosses(self.crossable_by, "crossable_by", kind_only=True)
+            return robot_that_crosses(self.crossable_by, "crossable_by", kind_only=True, room=self.crossable_room)
         climb, drop, width = self.crossable_by
         return StepLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
 

@@ -13,6 +13,7 @@ from rsegen.errors import FileError, ParameterError, UserError, did_you_mean
 from rsegen.input_files import file_type, parser_message, refuse_duplicates, regular_content, text_of
 from rsegen.params.capabilities import hooks
 from rsegen.params.sorts import Json
+from rsegen.recipe.certainty import answered
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
@@ -81,7 +82,7 @@ def recipe_and_content(path: Path) -> tuple[Recipe, object]:
     """Return the recipe in a file, and the content of the file, as `load` reads it."""
     try:
         content = recipe_content(path)
-        return decode(content), content
+        return answered(decode, content), content
     except UserError as error:
         if other := _other_file(path):
             raise FileError(f"{path}: {other}") from None

@@ -14,6 +14,7 @@ from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SUFFIXES, SdfRobot, from_file, is_robot_file
 from rsegen.standing import resting, stable
+from rsegen.standing.kinds import RobotWithRoom
 from rsegen.standing.resting import Poses
 from rsegen.standing.stable import StablePoses
 
@@ -87,9 +88,10 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
     return what
 
 
-def crosser(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:
-    """Return the robot of a kind or file, which crosses fields (`Capability.crossers`)."""
-    return ROBOTS.named(what, where) if kind_only else robot_of(what, where)  # type: ignore[arg-type]  # it is checked
+def crosser(what: object, where: str, *, kind_only: bool = False, room: float = 1.0) -> CrossingModel:
+    """Return the robot of a kind or file, which crosses fields with room to spare (`Capability.crossers`)."""
+    robot = ROBOTS.named(what, where) if kind_only else robot_of(what, where)  # type: ignore[arg-type]  # it is checked
+    return robot if room == 1 else RobotWithRoom(robot=robot, room=room)
 
 
 def poses(

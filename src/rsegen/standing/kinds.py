@@ -53,6 +53,11 @@ class RobotOnField(CrossingModel):
         """Width of the robot, metres."""
         return self.body.width
 
+    @property
+    def room(self) -> float:
+        """How much room to spare lanes have that are made for it, as a share of what is usual."""
+        return 1.0
+
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""
         return reach(field, self.body)
@@ -109,11 +114,10 @@ class RobotOnField(CrossingModel):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class RobotWithProgress(RobotOnField):
-    """A robot that reports the progress of its search of a map; `watch` may end the search."""
+class _SameRobot(RobotOnField):
+    """A robot that looks for its ways in another manner."""
 
     robot: RobotOnField
-    watch: Watch
 
     @property
     def kind(self) -> str:  # type: ignore[override]  # that of the robot
@@ -124,6 +128,20 @@ class RobotWithProgress(RobotOnField):
     def body(self) -> Body:
         """The robot from below."""
         return self.robot.body
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RobotWithRoom(_SameRobot):
+    """A robot whose lanes have less room to spare, as a share of what is usual."""
+
+    room: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RobotWithProgress(_SameRobot):
+    """A robot that reports the progress of its search of a map; `watch` may end the search."""
+
+    watch: Watch
 
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""

@@ -450,16 +450,18 @@ _ROOM = 1 / 20
 turn a robot, and it comes back."""
 
 
-def careful(field: StepField, body: Body) -> Body | None:
+def careful(field: StepField, body: Body, room: float = 1.0) -> Body | None:
     """Return a robot with the least momentum and friction with which it drives over blocks of one unit.
 
     With room to spare a lane is driven by that robot. It drives over a few blocks side by side, and over every other
     one, as on a chessboard, where the robot does so with all it has. None if it does not even climb the former, or by
     more momentum alone than it keeps when its wheels hit a block.
+
+    room: how much room there is to be, as a share of what is usual; with none a robot has all its momentum and friction
     """
-    places = room_beside(body) * np.array([-1.0, 0.0, 1.0])
+    places = room_beside(body) * room * np.array([-1.0, 0.0, 1.0])
     most = max(_energy_left(body, field.unit), _CARE[0][0])
-    robots = [_with_less(body, *shares) for shares in _CARE if shares[0] <= most]
+    robots = [_with_less(body, room, *shares) for shares in _CARE if shares[0] <= most]
 
     def first(ground: StepField) -> int | None:
         passed = (number for number, robot in enumerate(robots) if straight(ground, robot, 0, places).passed.all())
@@ -485,8 +487,9 @@ def _energy_left(body: Body, height: float) -> float:
     return float(body.normals[ahead][at, 2] ** 2)
 
 
-def _with_less(body: Body, energy: float, along: float, across: float) -> Body:
-    """Return a robot with shares of its kinetic energy, and of its friction along and across."""
+def _with_less(body: Body, room: float, *shares: float) -> Body:
+    """Return a robot with shares of its kinetic energy, and of its friction along and across; with less room, more."""
+    energy, along, across = (1 - room + room * share for share in shares)
     parts = tuple(
         part._replace(mu=part.mu * along, mu2=part.mu2 * across) if part.drives else part for part in body.parts
     )
@@ -505,10 +508,11 @@ def room_beside(body: Body) -> float:
     return _ROOM * body.width
 
 
-def safely_passed(field: StepField, body: Body, axis: int, middles: Array) -> Mask:
-    """Return which lanes at some places across, metres, are driven with room to spare."""
-    places = middles + room_beside(body) * np.array([[0.0], [-1.0], [1.0]])
-    passed = straight(field, careful(field, body) or _with_less(body, *_CARE[0]), axis, places.ravel()).passed
+def safely_passed(field: StepField, body: Body, axis: int, middles: Array, room: float = 1.0) -> Mask:
+    """Return which lanes at some places across, metres, are driven with room to spare; room: as of `careful`."""
+    places = middles + room_beside(body) * room * np.array([[0.0], [-1.0], [1.0]])
+    robot = careful(field, body, room) or _with_less(body, room, *_CARE[0])
+    passed = straight(field, robot, axis, places.ravel()).passed
     return np.asarray(passed.reshape(3, -1).all(axis=0))
 
 

@@ -11,7 +11,8 @@ where the robot's drive ends, and nowhere else, so a lane stays as rough as the 
 
 Two lanes are lowered at a time, the most even ones first. The first one counts that is driven with room to spare and
 has blocks in most of its cells, of two the one with fewer lowered units; else one with fewer blocks; else one that is
-driven at all. If the robot climbs no block of one unit, or no lane is driven, a lane is made level.
+driven at all. If the robot climbs no block of one unit, or no lane is driven, or more room is asked for than is usual,
+a lane is made level.
 
 Cost: some seconds; some thousand poses. What breaks it: what breaks lanes, above all robots that are turned.
 """
@@ -75,7 +76,7 @@ _PIECE = 1.5
 
 def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-    body, search = robot.body, robot.search
+    body, room = robot.body, robot.room
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
     lines = [
@@ -88,20 +89,20 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     unevenness = np.lib.stride_tricks.sliding_window_view(steps, 2 * aside + 1).sum(axis=1)[lines_along(field, axis)]
     middles = across(field, axis)[np.argsort(unevenness, kind="stable")]
     driven, count = 0, _FIRST_LANES
-    while driven < len(middles):
-        if _is_safe(field, body, axis, middles[driven : driven + count]):
+    while driven < len(middles) and room <= 1:
+        if _is_safe(field, body, axis, middles[driven : driven + count], room):
             return None
         driven, count = min(driven + count, len(middles)), _LANES
-        report_share(search, (axis + driven / len(middles) / 2) / 2)
+        report_share(robot.search, (axis + driven / len(middles) / 2) / 2)
     chosen: Ints | None = None
-    for line, levels in _lowered_lanes(turned, body, lines, aside, search, axis):
+    for line, levels in _lowered_lanes(turned, robot, lines, aside, axis):
         lane = slice(max(line - aside, 0), line + aside + 1)
         caps = np.full(turned.shape, NO_CAP)
         caps[:, lane] = np.where(turned.frame[:, lane], NO_CAP, levels)
         caps = caps if axis == 0 else caps.T
         lowered = replace(field, levels=np.minimum(field.levels, caps).astype(np.int16))
         middle = np.array([field.edges()[1 - axis][line] + field.block_width / 2])
-        if _is_safe(lowered, body, axis, middle):
+        if _is_safe(lowered, body, axis, middle, min(room, 1)):
             chosen = caps
             break
         if chosen is None and straight_lane(lowered, body, axis, middle) is not None:
@@ -114,23 +115,24 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     return chosen if (field.levels > chosen).any() else None
 
 
-def _is_safe(field: StepField, body: Body, axis: int, middles: Array) -> bool:
+def _is_safe(field: StepField, body: Body, axis: int, middles: Array, room: float) -> bool:
     """Return whether a robot drives one of the lanes at some places across, metres, with room to spare."""
     passed = surely_passed(straight(field, body, axis, middles), field, body, axis, middles)
-    return bool(passed.any() and safely_passed(field, body, axis, middles[passed]).any())
+    return bool(passed.any() and safely_passed(field, body, axis, middles[passed], room).any())
 
 
 def _lowered_lanes(
-    field: StepField, body: Body, lines: list[int], aside: int, search: str, axis: int
+    field: StepField, robot: RobotOnField, lines: list[int], aside: int, axis: int
 ) -> Iterator[tuple[int, Ints]]:
     """Yield lines of cells along x with lowered levels of their lanes, the best first; the last lane is a level one."""
-    robot, rest = careful(field, body), list[_Lowered]()
-    if robot is not None:  # else it climbs none of blocks as high as these
+    driven = careful(field, robot.body, robot.room) if robot.room <= 1 else None
+    rest: list[_Lowered] = []
+    if driven is not None:  # else it climbs none of blocks as high as these
         least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
         for done in range(0, min(len(least), _MOST_TRIED), _TRIED):
             tried = [line for _, line in least[done : done + _TRIED]]
-            watch = partial(_report_lowering, search, axis, done // _TRIED)
-            strips = _Strips.of(field, tried, aside).smoothed(robot, watch)
+            watch = partial(_report_lowering, robot.search, axis, done // _TRIED)
+            strips = _Strips.of(field, tried, aside).smoothed(driven, robot.room, watch)
             lanes = [_lowered(field, *each, aside) for each in zip(tried, strips, strict=True)]
             for lane in sorted(lanes, key=_preference):
                 if (lane.levels > 0).mean() < _ON_BLOCKS:
@@ -209,7 +211,7 @@ class _Strips:
             beside=beside,
         )
 
-    def smoothed(self, body: Body, progress: Callable[[float], object]) -> Ints:
+    def smoothed(self, body: Body, room: float, progress: Callable[[float], object]) -> Ints:
         """Return the levels with which all pieces of the lanes are driven, as far as lowering helps, (S, n, w)."""
         width, begin = self.field.block_width, -entry_distance(self.field, body, 0)
         end = self.field.extent[0] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
@@ -223,7 +225,7 @@ class _Strips:
             chosen = np.argwhere(first if first.any() else is_open & ~is_lost)
             if not len(chosen):
                 break
-            ends = self._ends(body, chosen, starts)
+            ends = self._ends(body, room, chosen, starts)
             is_open[tuple(chosen.T)] = ~np.isnan(ends)
             changed = np.zeros((shape[0], self.levels.shape[1] + 2), bool)
             for (strip, piece, way), x in zip(chosen.tolist(), ends.tolist(), strict=True):
@@ -252,7 +254,7 @@ class _Strips:
         first, last = (int(np.floor(at / width + count / 2)) + 1 for at in (low, high))
         return slice(min(max(first, 0), count + 1), min(max(last, 0), count + 1) + 1)
 
-    def _ends(self, body: Body, pieces: Ints, starts: Array) -> Array:
+    def _ends(self, body: Body, room: float, pieces: Ints, starts: Array) -> Array:
         """Return where pieces end, x of the robot's origin, metres; NaN if driven.
 
         pieces: (n, 3) strip, number of the start, and number of how it is driven
@@ -260,7 +262,7 @@ class _Strips:
         wide, width = self.levels.shape[2], self.field.block_width
         levels, frame = (np.concatenate(list(values), axis=1) for values in (self.levels, self.frame))
         field = replace(self.field, levels=levels.astype(np.int16), frame=frame)
-        side, turn = np.array(_DRIVEN)[pieces[:, 2]].T
+        side, turn = room * np.array(_DRIVEN)[pieces[:, 2]].T
         y = ((pieces[:, 0] + 0.5) * wide - levels.shape[1] / 2) * width + side * room_beside(body)
         ground = PaddedGround.of(field, outer_radius(body))
         lanes = drive_lanes(ground, body, starts[pieces[:, 1]], y, turn * _TURNED, _PIECE * width)

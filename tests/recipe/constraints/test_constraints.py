@@ -19,7 +19,7 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.field.steps import differences
 from rsegen.field.traversability import crossing
-from rsegen.gazebo.constraint_report import block_warnings, constraint_report
+from rsegen.gazebo.constraint_report import block_warnings, constraint_report, describe_constraints
 from rsegen.params.streams import generator
 from rsegen.pictures.preview import preview
 from rsegen.recipe.constraints import meeting
@@ -276,6 +276,28 @@ def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
     assert report["south_north"]["crosses"]
     assert report["roughness"]["on_ways"]["level_0"] < 0.5
     assert report["roughness"]["on_ways"]["mean_step"] > 0.5
+
+
+def test_with_more_room_than_usual_lanes_are_level() -> None:
+    made = recipe(boundary="none", chunk_size=6, unit_cm=0.1, crossable_by="burger", crossable_room=2)
+    report = constraint_report(rsegen.compose(made))["crossable_by"]
+    assert report["roughness"]["on_ways"] == {"mean_step": 0.0, "level_0": 1.0}
+    assert report["lowered"]["blocks"] == report["lowered"]["to_level_0"] > 0
+    assert constraint_report(rsegen.compose(replace(made, crossable_room=1)))["crossable_by"]["lowered"]["blocks"] == 0
+
+
+@pytest.mark.slow
+def test_less_room_to_spare_leaves_ways_rougher() -> None:
+    obstacles = (rsegen.Random(levels=5),)
+    made = recipe(seed=4243, boundary="none", unit_cm=5, obstacles=obstacles, crossable_by="crawler")
+    usual, tight = (rsegen.compose(replace(made, crossable_room=room)) for room in (1.0, 0.0))
+    lowered = [constraint_report(scene)["crossable_by"]["lowered"]["blocks"] for scene in (usual, tight)]
+    assert 0 < lowered[1] < lowered[0]
+    reports = [constraint_report(scene) for scene in (usual, tight)]
+    assert "room" not in reports[0]["crossable_by"]
+    assert reports[1]["crossable_by"]["room"] == 0
+    assert all(reports[1]["crossable_by"][side]["crosses"] for side in ("west_east", "south_north"))
+    assert "with 0% of the usual room to spare" in "\n".join(describe_constraints(tight, reports[1]))
 
 
 @pytest.mark.slow
