@@ -301,6 +301,16 @@ def test_a_drive_tells_before_how_surely_it_crosses() -> None:
     assert rsegen.drive(FLOOR, robot="jackal", duration=1, seed=1, predict=False).prediction is None
 
 
+def test_a_drive_that_is_too_short_says_how_long_it_takes() -> None:
+    told = rsegen.drive(FLOOR, robot="jackal", duration=1, seed=1)
+    assert told.prediction is not None
+    assert told.prediction.seconds is not None
+    (note,) = [note for note in told.notes if "duration" in note]
+    assert note.startswith(
+        f"jackal_0 had 1 s, and the drives of the prediction that crossed took {told.prediction.seconds:.0f} s;"
+    )
+
+
 def test_the_bar_of_a_drive_that_crosses_ends_at_its_end(capsys: pytest.CaptureFixture[str]) -> None:
     flags = ["--obstacle", "random levels=2", "--unit-cm", "0.1", "--boundary", "none", "--robot", "jackal"]
     assert main(["drive", *flags, "--no-predict", "--duration", "25", "--seed", "1", "--progress", "json"]) == 0
