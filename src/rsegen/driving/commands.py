@@ -109,6 +109,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_best,
         refuse_in_gazebo,
         refuse_output,
+        short_notes,
     )
     from rsegen.driving.planning import planned_runs, predictor_for
     from rsegen.driving.recording import record_drive, record_embedded
@@ -146,16 +147,18 @@ def drive(  # noqa: PLR0913  # each is a flag
         else:
             wanted = {"contacts": contacts, "picture": pictured, "video": video}
             recording = record_embedded(here, scene, runs, duration, report, motors=motors, **wanted)
+    driven = tuple(driven_robot(run, scene, recording, route) for run in runs)
     result = DriveResult(
         scene=scene,
         simulator=str(here),
         route=route,
         seed=seed,
-        robots=tuple(driven_robot(run, scene, recording, route) for run in runs),
+        robots=driven,
         errors=tuple(recording.errors),
         notes=(
             *drive_notes(here, runs, recording, route, contacts=contacts, picture=picture),
             *frame_notes(scene, runs, recording),
+            *short_notes(found, driven, duration),
         ),
         contact_samples=recording.samples,
         way=runs[0].way,

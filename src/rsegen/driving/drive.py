@@ -9,6 +9,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from math import ceil
 from pathlib import Path, PurePosixPath
 
 from rsegen.driving.drive_metrics import (
@@ -281,6 +282,15 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
         height = lengths_in(scene.units).with_unit(field.frame_height, 3)
         advice = "use robot='crawler', which climbs 10 cm, or make the map without frames (boundary none)"
         yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
+
+
+def short_notes(found: Prediction | None, robots: Sequence[DrivenRobot], seconds: float) -> Iterator[str]:
+    """Yield a note if a drive of some seconds is shorter than those of its prediction took to cross."""
+    if found is None or found.seconds is None or found.seconds <= seconds:
+        return
+    if late := [robot.name for robot in robots if robot.metrics.crossed is None]:
+        took = f"the drives of the prediction that crossed took {found.seconds:.0f} s"
+        yield f"{', '.join(late)} had {seconds:g} s, and {took}; use duration={ceil(1.5 * found.seconds)}"
 
 
 _NOTICED = 1.0

@@ -9,7 +9,8 @@ drives are nearly certain, follows the probability
 
     p = (k + a) / (n + 2 a)
 
-A drive ends as soon as it is decided: the robot is across, has tipped over, or has not come on for some seconds.
+A drive ends as soon as it is decided: the robot is across, has tipped over, or has neither come on nor turned for some
+seconds. One that turns on the spot may get free: casters that stand behind an edge come over it aslant.
 
 Cost: a drive simulates some 20 seconds per second, so an answer on 10 x 10 blocks takes one to eight seconds. What
 breaks it: what the simulator does not know, and errors that are not in the spread.
@@ -22,15 +23,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from math import hypot
+from math import hypot, radians
 from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.driving.drive_metrics import TIPPED, Course, Incident, drive_metrics
+from rsegen.driving.drive_metrics import SLOW, TIPPED, Course, Incident, drive_metrics
 from rsegen.driving.recording import PERIOD, RobotRun, drive_in_steps, trajectories
 from rsegen.driving.robot_runs import finish_x
-from rsegen.driving.routes import Motion, PlannedWay, Route
+from rsegen.driving.routes import Motion, PlannedWay, Route, wrapped
 from rsegen.driving.spread import spread_run
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
@@ -50,8 +51,9 @@ PRIOR = 0.25
 LEAVES = "leaves the map,"
 """The reason of a drive that ends next to the map, before its side."""
 
-_HELD, _WITHIN = 3.0, 0.02
-"""Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
+_HELD, _WITHIN, _TURNED = 3.0, 0.02, radians(5)
+"""Seconds in which a robot comes on by less than these metres, and turns by less than these radians, and is held for
+good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either."""
 
 _SECONDS = 0.5
 """CPU seconds that a drive takes, about."""
@@ -71,13 +73,17 @@ def _probability(crossed: int, drives: int) -> float:
     return (crossed + PRIOR) / (drives + 2 * PRIOR)
 
 
-def _mean(places: Sequence[Array]) -> tuple[float, float]:
-    x, y = np.mean(places, axis=0).tolist()
+def _middle(places: Sequence[Array]) -> tuple[float, float]:
+    """Return the place with the least sum of distances to the others; their mean may be one at which no drive ended."""
+    every = np.array(places)
+    x, y = every[np.linalg.norm(every[:, None] - every, axis=-1).sum(axis=1).argmin()].tolist()
     return x, y
 
 
 class DriveEnd(NamedTuple):
-    """An end of drives that do not cross: the reason, in words after "the robot", their mean place, their number.
+    """An end of drives that do not cross: the reason, in words after "the robot", a place, and their number.
+
+    The place is that of the drive in their middle.
 
     x, y: metres
     """
@@ -160,7 +166,7 @@ class Prediction:
         for outcome in self.outcomes:
             if outcome.reason:
                 by_reason.setdefault(outcome.reason, []).append(outcome.path[-1])
-        ends = (DriveEnd(reason, *_mean(places), len(places)) for reason, places in by_reason.items())
+        ends = (DriveEnd(reason, *_middle(places), len(places)) for reason, places in by_reason.items())
         return tuple(sorted(ends, key=lambda end: -end.drives))
 
     def __str__(self) -> str:
@@ -260,10 +266,10 @@ class Predictor:
 def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, number: int, motors: str) -> Outcome:
     """Return the outcome of the drive of a number out of the spread of a run."""
     erring, built = spread_run(scene, run, number)
-    until_held = replace(erring, route=lambda: _UntilDecided(route=erring.route()))
-    world = simulator.world(scene, [until_held], motors=motors, period=PERIOD, built=built)
-    drive_in_steps(world, [until_held], _time_limit(scene, run), world.step_seconds, contacts=False)
-    trajectory = trajectories(world.recorded(), [until_held])[run.name]
+    decided = until_decided(erring)
+    world = simulator.world(scene, [decided], motors=motors, period=PERIOD, built=built)
+    drive_in_steps(world, [decided], _time_limit(scene, run), world.step_seconds, contacts=False)
+    trajectory = trajectories(world.recorded(), [decided])[run.name]
     course = Course.over(scene.field, finish_x(scene.field, run.robot))
     metrics = drive_metrics(trajectory, run.robot.driving_speed, run.robot.size, course)
     path = trajectory.rows[:: round(_SEEN / PERIOD), 1:3]
@@ -278,6 +284,12 @@ def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, numb
     return Outcome(seconds=None, path=path, reason=f"gets stuck on its {part}" if part else "makes no progress")
 
 
+def until_decided(run: RobotRun) -> RobotRun:
+    """Return a run that ends as soon as it is decided whether its robot crosses."""
+    within = min(_WITHIN, SLOW * _HELD * run.robot.driving_speed)
+    return replace(run, route=lambda: _UntilDecided(route=run.route(), within=within))
+
+
 def _time_limit(scene: Scene, run: RobotRun) -> float:
     """Return the simulated seconds after which a robot that has not crossed does not cross."""
     length = scene.field.extent[0] / 2 - run.start.x if run.way is None or run.way.length is None else run.way.length
@@ -286,10 +298,14 @@ def _time_limit(scene: Scene, run: RobotRun) -> float:
 
 @dataclass(kw_only=True, slots=True)
 class _UntilDecided(Route):
-    """A route that ends, besides at its goal, where its robot has tipped over, or has not come on for some seconds."""
+    """A route that ends, besides at its goal, where its robot has tipped over, or has been held for some seconds.
+
+    within: metres by which a robot that is held comes on at most
+    """
 
     route: Route
-    places: deque[tuple[float, float]] | None = None
+    within: float
+    poses: deque[Pose] | None = None
 
     @property
     def period(self) -> float:  # type: ignore[override]  # that of the route
@@ -299,10 +315,13 @@ class _UntilDecided(Route):
         return self.route.motion(at)
 
     def is_done(self, at: Pose) -> bool:
-        if self.places is None:
-            self.places = deque(maxlen=round(_HELD / self.period) + 1)
-        self.places.append((at.x, at.y))
-        x, y = self.places[0]
-        is_held = len(self.places) == self.places.maxlen and hypot(at.x - x, at.y - y) < _WITHIN
+        if self.poses is None:
+            self.poses = deque(maxlen=round(_HELD / self.period) + 1)
+        self.poses.append(at)
+        first, is_full = self.poses[0], len(self.poses) == self.poses.maxlen
+        is_held = is_full and all(
+            hypot(pose.x - first.x, pose.y - first.y) < self.within and abs(wrapped(pose.yaw - first.yaw)) < _TURNED
+            for pose in self.poses
+        )
         has_tipped = np.cos(at.roll) * np.cos(at.pitch) < np.cos(TIPPED)
         return is_held or bool(has_tipped) or self.route.is_done(at)
