@@ -93,7 +93,7 @@ def made(robot: str, unit_cm: float, seed: int, asked: float) -> Made:
         told = min(told, found.probability)
         (run,) = runs_along(side.field, ROBOTS[robot], found.way)
         drives = (
-            spread_drive(EMBEDDED["mujoco"], side, run, FIRST_JUDGE + number, predictor.motors)
+            spread_drive(EMBEDDED["mujoco"], side, run, FIRST_JUDGE + number, predictor.motors, is_whole=True)
             for number in range(JUDGES)
         )
         crossed += sum(drive.seconds is not None for drive in drives)

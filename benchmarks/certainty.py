@@ -8,9 +8,10 @@ python -m benchmarks.certainty --seed 7      the same fields again; by default t
 python -m benchmarks.certainty --quick       the record is not kept
 python -m benchmarks.certainty --robot FILE --unit 0.5 --unit 1    a robot of a file too, such as a maker's
 
-A drive that judges is another one out of the spread: with errors of its start, position, friction and heights that no
-prediction has used. In Classic it has those of its start and position. A told probability is right if as many drives
-cross as it says (Brier 1950; Murphy and Winkler 1977); it is of use if it is seldom near one half.
+A drive that judges is another one out of the spread, with errors of its start, position, friction and heights that no
+prediction has used, and is not ended where a prediction takes the robot for held. In Classic it has those of its start
+and position. A told probability is right if as many drives cross as it says (Brier 1950; Murphy and Winkler 1977); it
+is of use if it is seldom near one half.
 """
 
 from __future__ import annotations
@@ -127,7 +128,8 @@ def _in_mujoco(scene: Scene, run: RobotRun, motors: str) -> list[bool]:
     crossed = []
     for number in range(FIRST_JUDGE, FIRST_JUDGE + JUDGES):
         try:
-            crossed.append(spread_drive(EMBEDDED["mujoco"], scene, run, number, motors).seconds is not None)
+            drive = spread_drive(EMBEDDED["mujoco"], scene, run, number, motors, is_whole=True)
+            crossed.append(drive.seconds is not None)
         except SimulatorFailed:
             continue
     return crossed

@@ -263,10 +263,15 @@ class Predictor:
         )
 
 
-def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, number: int, motors: str) -> Outcome:
-    """Return the outcome of the drive of a number out of the spread of a run."""
+def spread_drive(
+    simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, number: int, motors: str, *, is_whole: bool = False
+) -> Outcome:
+    """Return the outcome of the drive of a number out of the spread of a run.
+
+    is_whole: whether the drive goes on as long as the robot may still cross, also where it is held
+    """
     erring, built = spread_run(scene, run, number)
-    decided = until_decided(erring)
+    decided = erring if is_whole else until_decided(erring)
     world = simulator.world(scene, [decided], motors=motors, period=PERIOD, built=built)
     drive_in_steps(world, [decided], _time_limit(scene, run), world.step_seconds, contacts=False)
     trajectory = trajectories(world.recorded(), [decided])[run.name]
