@@ -404,7 +404,8 @@ def _why_not(way: Any) -> str:
 
 def _way(way: Any) -> str:
     if way.length is None:
-        return f"none; {why}" if (why := _why_not(way)) else "none"
+        # Drives may cross where poses find no way, and are told above.
+        return f"none by its poses; {why}" if (why := _why_not(way)) else "none"
     straight = f"{way.length:.2f} m, {way.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(way, "cost", None), float):
         return f"{straight}; with rises {cost:.2f} m, {getattr(way, 'cost_ratio', 0):.2f} x"
