@@ -16,7 +16,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.capabilities import commands
-from rsegen.params.numbers import lengths_in
+from rsegen.params.numbers import lengths_in, whole_degrees
 from rsegen.recipe.building import build
 from rsegen.scene.scene import Scene
 
@@ -98,6 +98,7 @@ def _crossings(scene: Scene, crosser: CrossingModel) -> dict[str, Any]:
             on_way[tuple(way.path[inside].T)] = True
         else:
             crossable[name]["points_m"] = np.round(way.points, 6).tolist()
+            crossable[name]["tilt"] = None if way.tilt is None else round(way.tilt, 4)
             on_way |= _cells_near(scene.field, way.points, crosser.width)
     crossable["roughness"] = {
         "on_ways": _roughness(scene.field, on_way),
@@ -149,35 +150,7 @@ def describe_constraints(scene: Scene, report: dict[str, Any]) -> Iterator[str]:
     if "max_step" in report:
         yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**report["max_step"])
     if "crossable_by" in report:
-        crossable, asked = report["crossable_by"], _crossing_parameters(scene.recipe)
-        # Who or what gets across, from which sides, and which blocks are lower for it.
-        paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
-        # What a report of a map says is proven by poses or by a path, and not driven.
-        what, lacks = (f"by its poses, the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
-        if "robot" not in asked:
-            written = lengths_in(scene.units)
-            climb, drop, width = (
-                written.with_unit(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width")
-            )
-            steps = f"path of steps of {climb} up and {drop} down, {width} wide, leads"
-            what, lacks = f"a {steps}", f"no {steps}"
-        is_to_drive = "robot" in asked and paths and "predict" in commands()
-        drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
-        room = asked.get("room", 1)
-        room = "" if room == 1 else f", with {room:.0%} of the usual room to spare" if room < 1 else ", on level lanes"
-        yield f"{what} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
-        if "lowered" in crossable:
-            blocks, at_0 = crossable["lowered"].values()
-            of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
-            to_0 = f"{at_0:,} of them" if 0 < at_0 < blocks else "all of them" if at_0 else "none of them"
-            yield f"{of_all} were lowered for that, {to_0} to level 0" if blocks else "no blocks had to be lowered"
-        way, beside = (crossable["roughness"][part] for part in ("on_ways", "beside"))
-        if None not in (*way.values(), *beside.values()):
-            yield (
-                "mean step between neighbouring blocks on its ways: {mean_step:.1f} units, ".format(**way)
-                + "elsewhere: {mean_step:.1f}; ".format(**beside)
-                + f"blocks at level 0: {way['level_0']:.0%}, elsewhere: {beside['level_0']:.0%}"
-            )
+        yield from _describe_crossings(scene, report["crossable_by"])
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         most, _ = _most_and_least(scene, scene.recipe.inventory or ())
@@ -185,6 +158,39 @@ def describe_constraints(scene: Scene, report: dict[str, Any]) -> Iterator[str]:
         yield f"uses {used:,} of the {owned:,} blocks of the inventory{fewer}"
     if "obstacles" in report:
         yield f"levels differ by {_distances(scene, report)}"
+
+
+def _describe_crossings(scene: Scene, crossable: dict[str, Any]) -> Iterator[str]:
+    """Yield who or what gets across, from which sides, which blocks are lower for it, and how rough its ways are."""
+    asked = _crossing_parameters(scene.recipe)
+    paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
+    # What a report of a map says is proven by poses or by a path, and not driven.
+    what, lacks = (f"by its poses, the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
+    if "robot" not in asked:
+        written = lengths_in(scene.units)
+        climb, drop, width = (written.with_unit(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
+        steps = f"path of steps of {climb} up and {drop} down, {width} wide, leads"
+        what, lacks = f"a {steps}", f"no {steps}"
+    is_to_drive = "robot" in asked and paths and "predict" in commands()
+    drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
+    room = asked.get("room", 1)
+    room = "" if room == 1 else f", with {room:.0%} of the usual room to spare" if room < 1 else ", on level lanes"
+    yield f"{what} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
+    if "lowered" in crossable:
+        blocks, at_0 = crossable["lowered"].values()
+        of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
+        to_0 = f"{at_0:,} of them" if 0 < at_0 < blocks else "all of them" if at_0 else "none of them"
+        yield f"{of_all} were lowered for that, {to_0} to level 0" if blocks else "no blocks had to be lowered"
+    way, beside = (crossable["roughness"][part] for part in ("on_ways", "beside"))
+    if None not in (*way.values(), *beside.values()):
+        yield (
+            "mean step between neighbouring blocks on its ways: {mean_step:.1f} units, ".format(**way)
+            + "elsewhere: {mean_step:.1f}; ".format(**beside)
+            + f"blocks at level 0: {way['level_0']:.0%}, elsewhere: {beside['level_0']:.0%}"
+        )
+    tilts = [tilt for name in ("west_east", "south_north") if (tilt := crossable[name].get("tilt")) is not None]
+    if tilts:
+        yield f"on its ways the {asked['robot']} tilts by up to {whole_degrees(max(tilts))}"
 
 
 def _distances(scene: Scene, report: dict[str, Any]) -> str:

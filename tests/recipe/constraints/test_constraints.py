@@ -276,6 +276,12 @@ def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
     assert report["south_north"]["crosses"]
     assert report["roughness"]["on_ways"]["level_0"] < 0.5
     assert report["roughness"]["on_ways"]["mean_step"] > 0.5
+    tilts = [report[side]["tilt"] for side in ("west_east", "south_north")]
+    ways_of = [ROBOTS["jackal"].crossing(made, axis) for axis in (0, 1)]
+    assert tilts == [pytest.approx(way.tilt, abs=1e-4) for way in ways_of]
+    assert max(tilts) > 0.05
+    said = "\n".join(describe_constraints(scene, constraint_report(scene)))
+    assert f"on its ways the jackal tilts by up to {np.degrees(max(tilts)):.0f} degrees" in said
 
 
 def test_with_more_room_than_usual_lanes_are_level() -> None:
