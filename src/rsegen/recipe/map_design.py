@@ -147,7 +147,8 @@ class MapDesign:
         str | tuple[float, float, float] | None,
         CrossableBySort(
             help="lower blocks for a way from west to east and one from south to north: a straight lane for a kind of "
-            "robot, checked by its poses; or a path of cells with these steps up and down and this width"
+            "robot, checked by its poses, or also by drives that cross so surely, as in crawler:0.9; or a path of "
+            "cells with these steps up and down and this width"
         ),
     ] = None
     crossable_room: Annotated[
