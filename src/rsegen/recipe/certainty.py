@@ -9,7 +9,7 @@ its version. So drives decide once how much room to spare the lanes need, and a 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 from rsegen.errors import ParameterError, inside
 from rsegen.params.capabilities import hooks
@@ -18,8 +18,6 @@ from rsegen.recipe.recipe import Recipe
 
 CERTAINTY = Float(0.5, 0.95, help="probability with which a robot gets across the maps of a recipe")
 """Above 0.95 no number of drives within seconds tells two probabilities apart; below 0.5 a map is not for the robot."""
-
-Content = TypeVar("Content")
 
 
 def answered(make: Callable[[Any], Recipe], content: Any) -> Recipe:
