@@ -12,27 +12,22 @@ many drives cross as it says, or more, as the least room that is enough may be m
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from statistics import mean
 from time import process_time
 from typing import Any
 
-from benchmarks.crossable import HIGH, OBSTACLES, UNITS
+from benchmarks.crossable import HIGH, OBSTACLES, UNITS, recipe_of, recorded
 from benchmarks.figures import RESULTS
-from benchmarks.machine import machine
 from rsegen.driving.certainty import with_certainty
 from rsegen.driving.planning import northward, predict_way, predictor_for
 from rsegen.driving.prediction import spread_drive
 from rsegen.driving.robot_runs import runs_along
 from rsegen.errors import ParameterError
 from rsegen.gazebo.constraint_report import constraint_report
-from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.recipe.codec import decode
+from rsegen.params.streams import SEEDS
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import compose
 from rsegen.simulators.embedded import EMBEDDED
@@ -46,8 +41,8 @@ MARKS = ("<!-- asked: made by docs.generate from benchmarks/results -->", "<!-- 
 ASKED = (0.5, 0.7, 0.9)
 KINDS = [(robot, unit) for robot, units in UNITS.items() for unit in units if (robot, unit) not in HIGH]
 
-MAPS, JUDGES, FIRST_JUDGE = 3, 3, 1000
-"""Maps of each kind, and drives along each way that judge, with numbers from here on."""
+MAPS, JUDGES, FIRST_JUDGE = 54, 3, 1000
+"""Maps in all, and drives along each way that judge, with numbers from here on."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -76,9 +71,7 @@ def made(robot: str, unit_cm: float, seed: int, asked: float) -> Made:
     """Return a map that is asked for, driven."""
     begin = process_time()
     place: dict[str, Any] = {"robot": robot, "unit_cm": unit_cm, "seed": seed, "asked": asked}
-    given = {"chunk_size": 10, "chunks": 1, "boundary": "none", "unit_cm": unit_cm, "seed": seed}
-    obstacle = OBSTACLES[seed % len(OBSTACLES)]
-    free = decode({"name": "asked", **given, "obstacles": [obstacle], "crossable_by": robot})
+    free = recipe_of(robot, unit_cm, OBSTACLES[seed % len(OBSTACLES)], seed)
     try:
         recipe = with_certainty(free, asked)
     except ParameterError:
@@ -111,34 +104,21 @@ def made(robot: str, unit_cm: float, seed: int, asked: float) -> Made:
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit code: 0; 3 where MuJoCo is not installed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--maps", type=int, default=MAPS, help="maps of each kind")
-    parser.add_argument("--seed", type=int, help="seed of the first map; by default it is drawn")
-    parser.add_argument("--only-print", action="store_true", help="keep no record")
-    options = parser.parse_args(arguments)
-    if not EMBEDDED["mujoco"].version():
-        print("no MuJoCo here", file=sys.stderr)
-        return 3
-    seed = fresh_seed() % 10**9 if options.seed is None else options.seed
+def maps_made(maps: int, seed: int) -> Iterator[Made]:
+    """Yield the maps of all kinds and certainties, each kind with its share of a number, in two processes."""
     jobs = [
         (robot, unit, (seed + 100 * number + k) % SEEDS, asked)
         for number, (robot, unit) in enumerate(KINDS)
-        for k in range(options.maps)
+        for k in range(-(-maps // len(KINDS) // len(ASKED)))
         for asked in ASKED
     ]
-    found = []
     with ProcessPoolExecutor(2) as pool:
-        for one in pool.map(made, *zip(*jobs, strict=True)):
-            found.append(one)
-            print(f"{one}", file=sys.stderr, flush=True)
-    head = {"machine": machine(), "seed": seed, "simulator": str(EMBEDDED["mujoco"])}
-    record = {**head, "maps": [asdict(one) for one in found]}
-    print("\n".join(table(record)))
-    if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
-    return 0
+        yield from pool.map(made, *zip(*jobs, strict=True))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit code: 0; 3 where MuJoCo is not installed."""
+    return recorded(arguments, __doc__, MAPS, maps_made, name="maps", table=table, file=FILE)
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:

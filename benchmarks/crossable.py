@@ -14,9 +14,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from statistics import mean
 from time import process_time
 from typing import Any
@@ -34,8 +35,9 @@ from rsegen.driving.routes import AlongWay
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.recipe.codec import decode
+from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import ROBOTS
-from rsegen.scene.scene import Scene, compose
+from rsegen.scene.scene import compose
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.body import Body
 
@@ -88,10 +90,10 @@ class Drive:
         return self.seconds is not None
 
 
-def scene_of(robot: str, unit_cm: float, obstacle: Mapping[str, Any], seed: int) -> Scene:
-    """Return a map that is made crossable."""
+def recipe_of(robot: str, unit_cm: float, obstacle: Mapping[str, Any], seed: int) -> Recipe:
+    """Return the recipe of a map that is made crossable."""
     given = {"chunk_size": 10, "chunks": 1, "boundary": "none", "unit_cm": unit_cm, "seed": seed}
-    return compose(decode({"name": "crossable", **given, "obstacles": [obstacle], "crossable_by": robot}), 0)
+    return decode({"name": "crossable", **given, "obstacles": [obstacle], "crossable_by": robot})
 
 
 def drives(maps: int, first_seed: int) -> Iterator[Drive]:
@@ -108,7 +110,7 @@ def drives(maps: int, first_seed: int) -> Iterator[Drive]:
 
 def _drive(name: str, unit_cm: float, obstacle: Mapping[str, Any], seed: int) -> Drive:
     robot, begin = ROBOTS[name], process_time()
-    scene = scene_of(name, unit_cm, obstacle, seed)
+    scene = compose(recipe_of(name, unit_cm, obstacle, seed), 0)
     made = process_time() - begin
     free = compose(replace(scene.recipe, crossable_by=None), 0)
     predictor = predictor_for(None)
@@ -147,8 +149,25 @@ def share_on_blocks(field: StepField, body: Body, trajectory: Trajectory) -> flo
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0; 3 where MuJoCo is not installed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--maps", type=int, default=MAPS, help="maps in all")
+    return recorded(arguments, __doc__, MAPS, drives, name="drives", table=table, file=FILE)
+
+
+def recorded(  # noqa: PLR0913  # what differs between two benchmarks of maps in MuJoCo
+    arguments: Sequence[str] | None,
+    doc: str | None,
+    maps: int,
+    make: Callable[[int, int], Iterator[Any]],
+    *,
+    name: str,
+    table: Callable[[Mapping[str, Any]], Iterator[str]],
+    file: Path,
+) -> int:
+    """Print the table of what is made of a number of maps from a seed on, and keep it in a file; the exit code.
+
+    name: under which the record has what was made
+    """
+    parser = argparse.ArgumentParser(description=doc)
+    parser.add_argument("--maps", type=int, default=maps, help="maps in all")
     parser.add_argument("--seed", type=int, help="seed of the first map; by default it is drawn")
     parser.add_argument("--only-print", action="store_true", help="keep no record")
     options = parser.parse_args(arguments)
@@ -157,14 +176,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 3
     seed = fresh_seed() % 10**9 if options.seed is None else options.seed
     found = []
-    for drive in drives(options.maps, seed):
-        found.append(drive)
-        print(f"{drive}", file=sys.stderr, flush=True)
+    for one in make(options.maps, seed):
+        found.append(one)
+        print(f"{one}", file=sys.stderr, flush=True)
     head = {"machine": machine(), "seed": seed, "simulator": str(EMBEDDED["mujoco"])}
-    record = {**head, "drives": [asdict(drive) for drive in found]}
+    record = {**head, name: [asdict(one) for one in found]}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        file.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
     return 0
 
 

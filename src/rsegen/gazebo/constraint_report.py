@@ -173,8 +173,8 @@ def _describe_crossings(scene: Scene, crossable: dict[str, Any]) -> Iterator[str
         what, lacks = f"a {steps}", f"no {steps}"
     is_to_drive = "robot" in asked and paths and "predict" in commands()
     drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
-    room = asked.get("room", 1)
-    room = "" if room == 1 else f", with {room:.0%} of the usual room to spare" if room < 1 else ", on level lanes"
+    share = scene.recipe.crossable_room if "robot" in asked else 1
+    room = "" if share == 1 else f", with {share:.0%} of the usual room to spare" if share < 1 else ", on level lanes"
     yield f"{what} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
     if "lowered" in crossable:
         blocks, at_0 = crossable["lowered"].values()
