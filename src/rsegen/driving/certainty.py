@@ -35,7 +35,7 @@ def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
     """Find how much room to spare lanes need so that a robot crosses the maps of a recipe as surely as asked.
 
     Drives in MuJoCo tell it; the maps of the returned recipe depend on its numbers alone. The same as
-    `crossable_by: crawler:0.9` in a recipe file.
+    `crossable_by: crawler:0.9` in a recipe file. Drives use all cores, so a script needs `if __name__ == "__main__":`.
 
     Parameters
     ----------
