@@ -229,6 +229,10 @@ class Parser(argparse.ArgumentParser):
         formatter.add_text(self.epilog)
         return formatter.format_help()
 
+    def print_help(self, file: Any = None) -> None:
+        """Print the help; argparse would not say that the output is full, if the help is longer than a buffer."""
+        print(self.format_help(), end="", file=file)
+
     def _add_usage(self, formatter: argparse.HelpFormatter) -> None:
         """Add what must be given; of all the rest, that there is more."""
         exclusive = [pair for group in self.groups for pair in group.exclusive]
