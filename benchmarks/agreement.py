@@ -38,7 +38,6 @@ from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
@@ -309,8 +308,7 @@ def measured(
             kept["drives"] += map(asdict, _driven(course, robot, simulator, record["ways"], quick=quick))
     own = [robot for robot in robots if robot in crossings.PLANS]
     for robot, simulator in product([] if quick else own, simulators):
-        if has_motors(robot, simulator):
-            kept["climbs"] += climbs(simulator, robot)
+        kept["climbs"] += climbs(simulator, robot)
     if MUJOCO[0] in simulators:
         kept["speeds"] += [speeds(robot, blocks) for robot, blocks in product(own, (10, 40))]
     return record | {part: sorted(entries, key=_place) for part, entries in kept.items()}
@@ -329,16 +327,9 @@ def _order(kind: str) -> tuple[int, str]:
     return (own.index(kind), "") if kind in own else (len(own), kind)
 
 
-def has_motors(robot: str, simulator: str) -> bool:
-    """Return whether a robot differs by the model of motors: belts have no wheels, and are driven with one alone."""
-    return simulator != MUJOCO[1] or isinstance(robot_of(robot).drive, Wheels)
-
-
 def can_drive(course: Course, robot: str, simulator: str) -> bool:
     """Return whether a robot is to drive on a course in a simulator."""
-    if robot not in course.plans or (simulator not in MUJOCO and course.title == RECORDED):
-        return False
-    return has_motors(robot, simulator)
+    return robot in course.plans and (simulator in MUJOCO or course.title != RECORDED)
 
 
 def _driven(course: Course, robot: str, simulator: str, ways: Ways, *, quick: bool) -> Iterator[Outcome]:
@@ -383,9 +374,8 @@ def table(record: Mapping[str, Any], recorded: Iterable[Outcome]) -> Iterator[st
     yield "|---" * 11 + "|"
     for title, robot, (one, other) in product(COURSES, robots, combinations(SIMULATED, 2)):
         own = [drive for drive in found if (drive.course, drive.robot) == (title, robot)]
-        has_both = any(drive.simulator == MUJOCO[1] for drive in own)
         if (one, other) != MUJOCO and (row := _row(own, one, other)):
-            names = ", ".join(_title(simulator, has_motors=has_both) for simulator in (one, other))
+            names = ", ".join(_title(simulator) for simulator in (one, other))
             yield f"| {title} | {robot} | {names} | {row} |"
     yield ""
     yield from _climbs_table(record["climbs"])
@@ -449,10 +439,9 @@ def _climbs_table(climbs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         }
         held = min((height for height, climbed in own.items() if not climbed), default=None)
         below = max((height for height in own if held is None or height < held), default=0.0)
-        title = _title(simulator, has_motors=has_motors(robot, MUJOCO[1]))
         first = "none" if held is None else f"{100 * held:.3g} cm"
         span = f"{100 * min(own):.3g} to {100 * max(own):.3g} cm"
-        yield f"| {robot} | {title} | {100 * below:.3g} cm | {first} | {span} |"
+        yield f"| {robot} | {_title(simulator)} | {100 * below:.3g} cm | {first} | {span} |"
 
 
 def _speeds_table(speeds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
@@ -465,11 +454,9 @@ def _speeds_table(speeds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"| {robot} | " + " | ".join(f"{own[size]:.0f}" for size in sizes) + " |"
 
 
-def _title(simulator: str, *, has_motors: bool) -> str:
-    """Return a simulator by its name in the table; tracks have no motors to choose from."""
-    if simulator not in MUJOCO:
-        return simulator.title()
-    return f"MuJoCo, motors `{simulator.rpartition(' ')[2]}`" if has_motors else "MuJoCo"
+def _title(simulator: str) -> str:
+    """Return a simulator by its name in the table."""
+    return f"MuJoCo, motors `{simulator.rpartition(' ')[2]}`" if simulator in MUJOCO else simulator.title()
 
 
 class Steps(NamedTuple):

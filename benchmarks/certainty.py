@@ -3,13 +3,14 @@
 python -m benchmarks.certainty               predicts and drives in MuJoCo, with both models of motors, on lanes and on
                                              planned ways of fresh fields; keeps benchmarks/results/certainty.json and
                                              its picture; a quarter of an hour on two cores
-python -m benchmarks.certainty --classic     in Gazebo Classic too, with the motors that it has; as long again
+python -m benchmarks.certainty --judge classic --judge sim      in Gazebos too, with the motors that they have; as
+                                             long again for each
 python -m benchmarks.certainty --seed 7      the same fields again; by default the seed is drawn
 python -m benchmarks.certainty --quick       the record is not kept
 python -m benchmarks.certainty --robot FILE --unit 0.5 --unit 1    a robot of a file too, such as a maker's
 
 A drive that judges is another one out of the spread, with errors of its start, position, friction and heights that no
-prediction has used, and is not ended where a prediction takes the robot for held. In Classic it has those of its start
+prediction has used, and is not ended where a prediction takes the robot for held. In Gazebo it has those of its start
 and position. A told probability is right if as many drives cross as it says (Brier 1950; Murphy and Winkler 1977); it
 is of use if it is seldom near one half.
 """
@@ -32,7 +33,7 @@ from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.many import wilson
 from rsegen.driving.planning import predict_way, predictor_for
-from rsegen.driving.prediction import Prediction, spread_drive
+from rsegen.driving.prediction import Prediction, Predictor, spread_drive
 from rsegen.driving.recording import RobotRun, record_drive
 from rsegen.driving.robot_runs import robot_runs, runs_along
 from rsegen.driving.routes import AlongWay, Straight
@@ -40,7 +41,6 @@ from rsegen.driving.spread import spread_run
 from rsegen.errors import SimulatorFailed
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.recipe.codec import decode
-from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
@@ -58,12 +58,38 @@ PLANS: Mapping[str, tuple[float, ...]] = {
 }
 """The robots with their units, cm: from all fields crossed to none, and of 10 cm."""
 
-ROUNDS, LANES, JUDGES, FIRST_JUDGE = 2, 2, 3, 1000
-"""Fields of each robot and unit, of one kind after the other; lanes on each; drives that judge a prediction, and the
-number of the first."""
+ROUNDS, LANES, JUDGES, FIRST_JUDGE = 3, 2, 3, 1000
+"""Fields of each robot and unit; lanes on each; drives that judge a prediction, and the number of the first."""
 
-_SECONDS, _CLASSIC_SECONDS = 20.0, 20.0
-"""CPU seconds of a field, about; simulated seconds of a drive in Gazebo Classic."""
+_ACROSS, _INNER = {"first": [5, 0], "last": [5, 19]}, {"first": [2, 0], "last": [7, 19]}
+"""Blocks of a field of 10 x 20, a row that every lane crosses, and all but two rows at the start and the end."""
+
+KINDS: Mapping[str, tuple[Mapping[str, Any], Mapping[str, Any]]] = {
+    **{name: (obstacle, {}) for name, obstacle in crossings.OBSTACLES.items()},
+    "random, slippery": ({"kind": "random", "levels": 3}, {"friction": 0.4}),
+    "random, each level": ({"kind": "random", "levels": 3}, {"level_friction": [1, 0.5, 0.2]}),
+    "random, framed": ({"kind": "random", "levels": 3}, {"boundary": "divided", "frame_friction": 0.5}),
+    "random, 20 cm blocks": ({"kind": "random", "levels": 3}, {"block_width_cm": 20, "chunk_size": 5}),
+    "horizontal_barrier": ({"kind": "horizontal_barrier", "softness": 20, **_ACROSS}, {}),
+    "diagonal_barrier": ({"kind": "diagonal_barrier", "softness": 20}, {}),
+    "peak": ({"kind": "peak", "softness": 60, "first": "random", "last": "random"}, {}),
+    "platform": ({"kind": "platform", "softness": 30, **_INNER}, {}),
+    "stairs": ({"kind": "stairs", "step_width": 2}, {}),
+    "slope": ({"kind": "slope", "shape": "pyramid"}, {}),
+    "waves": ({"kind": "waves", "shape": "both", "waves": 2}, {}),
+    "noise": ({"kind": "noise"}, {}),
+    "pallet": ({"kind": "pallet"}, {}),
+    "discrete_obstacles": ({"kind": "discrete_obstacles", "count": 8}, {}),
+    "rails": ({"kind": "rails", "levels": 3, "uneven": 1}, {}),
+    "stones": ({"kind": "stones", "levels": 3, "stone_width": 3}, {"ground_level": 2}),
+    "pit": ({"kind": "pit", "levels": 3, "gap_width": 2, **_INNER}, {"ground_level": 2}),
+}
+"""The kinds of fields: an obstacle, of 3 to 5 levels if it does not say how many, and what else their recipes say."""
+
+_SECONDS, _GAZEBO_SECONDS = 20.0, 20.0
+"""CPU seconds of a field, about; simulated seconds of a drive in Gazebo."""
+
+_TITLES = {judge: crossings.TITLES[judge] for judge in (crossings.MUJOCO, *SIMULATORS)}
 
 COLUMNS = ("robot", "field", "unit_cm", "seed", "route", "motors", "line", "told", "drives", "judge", "crossed", "of")
 """What a row of the record has: a prediction, and how many of the drives in a simulator that judged it crossed."""
@@ -79,42 +105,60 @@ class Field(NamedTuple):
 
     @property
     def scene(self) -> Scene:
-        """Return its scene: 10 x 20 blocks of 10 cm without frames; steps of one unit where one is 10 cm."""
-        given = {"chunks": [1, 2], "boundary": "none", **({"max_step": 1} if self.unit_cm >= 10 else {})}
-        obstacles = [crossings.OBSTACLES[self.field]]
-        recipe = {"name": "certainty", "unit_cm": self.unit_cm, "seed": self.seed, "obstacles": obstacles, **given}
+        """Return its scene: 1 x 2 m, without frames, or with frames of one unit; steps of one unit at 10 cm."""
+        obstacle, given = KINDS[self.field]
+        recipe = {
+            "name": "certainty",
+            "unit_cm": self.unit_cm,
+            "seed": self.seed,
+            "obstacles": [{"levels": 3 + self.seed % 3, **obstacle}],
+            "chunks": [1, 2],
+            "boundary": "none",
+            "frame_height_cm": self.unit_cm,
+            **({"max_step": 1} if self.unit_cm >= 10 else {}),
+            **given,
+        }
         return compose(decode(recipe), 0)
 
 
 def fields(plans: Mapping[str, Sequence[float]], seed: int, rounds: int) -> list[Field]:
-    """Return the fields of all robots, each with a seed of its own."""
-    kinds = list(crossings.OBSTACLES)
+    """Return the fields of all robots, each with a seed of its own; the kinds are dealt to them."""
     named = [(robot, unit) for robot, units in plans.items() for unit in units for _ in range(rounds)]
-    every = [(robot, kinds[number % len(kinds)], unit) for number, (robot, unit) in enumerate(named)]
-    return [Field(*name, (seed + number) % SEEDS) for number, name in enumerate(every)]
+    rng, kinds = np.random.default_rng(seed), list(KINDS)
+    dealt = [int(kind) for _ in range(0, len(named), len(kinds)) for kind in rng.permutation(len(kinds))]
+    return [
+        Field(robot, kinds[kind], unit, (seed + number) % SEEDS)
+        for number, ((robot, unit), kind) in enumerate(zip(named, dealt, strict=False))
+    ]
 
 
-def judged(classic: bool, batch: Sequence[Field]) -> list[list[Any]]:  # noqa: FBT001  # of `partial`
-    """Return the rows of some fields."""
-    return [row for field in batch for row in _rows(field, classic=classic)]
+def judged(judges: Sequence[str], batch: Sequence[Field]) -> list[list[Any]]:
+    """Return the rows of some fields, judged in MuJoCo and in Gazebos by their names."""
+    return [row for field in batch for row in _rows(field, judges)]
 
 
-def _rows(field: Field, *, classic: bool) -> Iterator[list[Any]]:
+def _rows(field: Field, judges: Sequence[str]) -> Iterator[list[Any]]:
     scene, robot = field.scene, robot_of(field.robot)
-    for motors in MOTORS[:1] if isinstance(robot.drive, Tracks) else MOTORS:
-        predictor = predictor_for(None, motors)
-        assert predictor is not None  # noqa: S101  # `main` looked
+    for motors in MOTORS:
+        predictor = _predictor(motors)
         runs = robot_runs(scene.field, robot, Straight.name, count=LANES, seed=1)
         predicted = [(run, predictor.predict(scene, run)) for run in runs]
         found = predict_way(predictor, scene, robot, "safe")
         if found.way is not None and found.way.crosses:
             predicted += [(run, found) for run in runs_along(scene.field, robot, found.way)]
+        gazebos = [name for name in judges if _predictor(None, name).motors == motors]
         for run, told in predicted:
             yield _row(field, run, told, "mujoco", _in_mujoco(scene, run, motors))
-            # A drive in Classic costs ten times as much; of the lanes it judges the first.
-            of_classic = run.name == runs[0].name or run.way is not None
-            if classic and of_classic and motors == (MOTORS[0] if isinstance(robot.drive, Tracks) else MOTORS[1]):
-                yield _row(field, run, told, "classic", _in_classic(scene, run))
+            # A drive in Gazebo costs ten times as much; of the lanes it judges the first.
+            for name in gazebos if run.name == runs[0].name or run.way is not None else ():
+                yield _row(field, run, told, name, _in_gazebo(name, scene, run))
+
+
+def _predictor(motors: str | None, judge: str | None = None) -> Predictor:
+    """Return what predicts with a kind of motors, or with those of a Gazebo."""
+    predictor = predictor_for(judge, motors)
+    assert predictor is not None  # noqa: S101  # `main` looked
+    return predictor
 
 
 def _row(field: Field, run: RobotRun, told: Prediction, judge: str, crossed: Sequence[bool]) -> list[Any]:
@@ -135,16 +179,16 @@ def _in_mujoco(scene: Scene, run: RobotRun, motors: str) -> list[bool]:
     return crossed
 
 
-def _in_classic(scene: Scene, run: RobotRun) -> list[bool]:
-    """Return whether a drive in Gazebo Classic crosses, with errors of its start and position; nothing if it fails."""
-    here = SIMULATORS["classic"].installation()
+def _in_gazebo(name: str, scene: Scene, run: RobotRun) -> list[bool]:
+    """Return whether a drive in a Gazebo crosses, with errors of its start and position; nothing if it fails."""
+    here = SIMULATORS[name].installation()
     assert here is not None  # noqa: S101  # `main` looked
     erring, _ = spread_run(scene, run, FIRST_JUDGE)
     try:
         with world_of(scene, None).on_disk() as file:
-            recording = record_drive(here, file, [erring], _CLASSIC_SECONDS, contacts=False)
+            recording = record_drive(here, file, [erring], _GAZEBO_SECONDS, contacts=False)
     except SimulatorFailed as error:
-        print(f"no result in Gazebo Classic: {error}", file=sys.stderr)
+        print(f"no result in {here}: {error}", file=sys.stderr)
         return []
     return [driven_robot(erring, scene, recording, Straight.name).metrics.crossed is not None]
 
@@ -185,7 +229,7 @@ SHARP = 0.9
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the tables of a record in Markdown."""
     rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
-    for judge, title in (("mujoco", "MuJoCo"), ("classic", "Gazebo Classic")):
+    for judge, title in _TITLES.items():
         own = [row for row in rows if row["judge"] == judge and row["of"]]
         if not own:
             continue
@@ -203,13 +247,15 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
             share = f"{crossed / of:.2f}" if of else ""
             yield f"| {low:g} to {high:g}, mean {mean} | {len(told)} | {of} | {share} | {ends} |"
         yield ""
-        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | at least 0.9: crossed |"
-        yield "|---|---|---|---|---|---|---|---|"
-        yield from _by(own, ("robot", "route", "motors", "unit_cm"))
-        yield from _by(own, ("robot",))
-        yield from _by(own, ("route",))
-        yield from _by(own, ())
+        yield "| of | predictions | sure | of sure ones right | 95 % interval | at least 0.9: crossed |"
+        yield "|---|---|---|---|---|---|"
+        for names in GROUPS:
+            yield from _by(own, names)
         yield ""
+
+
+GROUPS = ((), ("robot",), ("robot", "unit_cm"), ("route",), ("route", "motors"), ("field",))
+"""Columns by which predictions are counted together."""
 
 
 def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str]:
@@ -218,17 +264,17 @@ def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str
     for row in rows:
         groups.setdefault(tuple(row[name] for name in names), []).append(row)
     for key, group in groups.items():
-        named = dict(zip(names, key, strict=True))
-        cells = [str(named.get(name, "all")) for name in ("robot", "route", "motors")]
-        unit = f"{named['unit_cm']:g} cm" if "unit_cm" in named else "all"
+        cells = [f"{value:g} cm" if name == "unit_cm" else str(value) for name, value in zip(names, key, strict=True)]
         sure = [row for row in group if not 1 - SHARP < row["told"] < SHARP]
         yes = [row for row in sure if row["told"] >= SHARP]
         right = sum(row["crossed"] if row["told"] >= SHARP else row["of"] - row["crossed"] for row in sure)
-        of_sure, crossed = sum(row["of"] for row in sure), sum(row["crossed"] for row in yes)
-        of_yes = sum(row["of"] for row in yes)
+        of_sure, of_yes = (sum(row["of"] for row in part) for part in (sure, yes))
+        crossed = sum(row["crossed"] for row in yes)
         share = f"{right} of {of_sure} ({right / of_sure:.0%})" if sure else ""
+        ends = "{:.2f} to {:.2f}".format(*wilson(right, of_sure)) if sure else ""
         told = f"{crossed} of {of_yes}" if yes else ""
-        yield f"| {' | '.join(cells)} | {unit} | {len(group)} | {len(sure) / len(group):.0%} | {share} | {told} |"
+        of = ", ".join(cells) or "all"
+        yield f"| {of} | {len(group)} | {len(sure) / len(group):.0%} | {share} | {ends} | {told} |"
 
 
 def brier(rows: Sequence[Mapping[str, Any]]) -> float:
@@ -244,9 +290,8 @@ def draw(record: Mapping[str, Any]) -> None:
     from matplotlib.figure import Figure
 
     rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
-    judges = {"mujoco": "MuJoCo", "classic": "Gazebo Classic"}
     judged = {row["judge"] for row in rows if row["of"]}
-    judges = {judge: title for judge, title in judges.items() if judge in judged}
+    judges = {judge: title for judge, title in _TITLES.items() if judge in judged}
     figure = Figure(figsize=(5.2 * len(judges), 4.6), dpi=100, layout="constrained")
     for axes, (judge, title) in zip(np.atleast_1d(figure.subplots(1, len(judges))), judges.items(), strict=True):
         own = [row for row in rows if row["judge"] == judge and row["of"]]
@@ -278,9 +323,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0; 3 where a simulator is not installed."""
     options = _options(arguments)
     versions = {"mujoco": EMBEDDED["mujoco"].version()}
-    if options.classic:
-        here = SIMULATORS["classic"].installation()
-        versions["classic"] = here.version if here else None
+    for name in options.judge:
+        here = SIMULATORS[name].installation()
+        versions[name] = here.version if here else None
     if missing := [name for name, version in versions.items() if not version]:
         print(f"no {missing[0]} here", file=sys.stderr)
         return 3
@@ -288,7 +333,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     plans = {name: PLANS[name] for name in options.robots} | {file: tuple(options.unit) for file in options.robot}
     every = fields(plans, seed, options.rounds)
     rows: list[list[Any]] = []
-    for batch in execute(partial(judged, options.classic), every, _SECONDS, Execution(workers=options.workers)):
+    for batch in execute(partial(judged, options.judge), every, _SECONDS, Execution(workers=options.workers)):
         rows += batch
         print(f"{len(rows)} predictions of {len(every)} fields judged", file=sys.stderr)
     record = {"machine": machine(), "seed": seed, "simulators": versions, "columns": COLUMNS, "rows": rows}
@@ -306,7 +351,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("robots", nargs="*", metavar="ROBOT", default=list(PLANS), help="only these kinds")
     parser.add_argument("--robot", action="append", metavar="FILE", default=[], help="the robot of a file too")
     parser.add_argument("--unit", action="append", type=float, default=[], help="a unit for robots of files, cm")
-    parser.add_argument("--classic", action="store_true", help="drive in Gazebo Classic too")
+    parser.add_argument("--judge", action="append", choices=list(SIMULATORS), default=[], help="drive in a Gazebo too")
     parser.add_argument("--seed", type=int, help="seed of the first field; by default it is drawn")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
     parser.add_argument("--rounds", type=int, default=ROUNDS, help="fields of each robot and unit")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from benchmarks import certainty
-from benchmarks.certainty import BINS, COLUMNS, PLANS, brier, fields, loaded, table
+from benchmarks.certainty import BINS, COLUMNS, KINDS, PLANS, brier, fields, loaded, table
 
 
 def test_brier_is_the_mean_squared_difference() -> None:
@@ -27,6 +28,16 @@ def test_fields_are_fresh_and_the_same_for_a_seed() -> None:
     assert first == again
     assert not {field.seed for field in first} & {field.seed for field in other}
     assert {(field.robot, field.unit_cm) for field in first} == {(kind, unit) for kind in PLANS for unit in PLANS[kind]}
+    assert {field.field for field in first} == set(KINDS)
     levels = first[0].scene.field.levels
     assert levels.any()
-    assert (levels != other[0].scene.field.levels).any()
+    assert levels.shape != other[0].scene.field.shape or (levels != other[0].scene.field.levels).any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("unit_cm", [0.3, 10])
+def test_every_kind_has_steps_of_whole_units(kind: str, unit_cm: float) -> None:
+    field = certainty.Field("crawler", kind, unit_cm, 7).scene.field
+    steps = np.diff(np.unique(field.heights)) / (unit_cm / 100)
+    assert steps.size
+    assert steps == pytest.approx(steps.round())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from math import sqrt
 from pathlib import Path
 
@@ -44,7 +45,8 @@ def test_a_robot_drives_straight_at_its_speed(kind: str, motors: str) -> None:
     after = world.poses()["robot"]
     assert after.x - before.x == pytest.approx(0.2, rel=0.01)
     assert abs(after.y) < 1e-4
-    assert abs(after.yaw) < 1e-4
+    # Two shapes in one place, of which Classic's belts are, share their load but for some digits.
+    assert abs(after.yaw) < (1e-3 if (kind, motors) == ("crawler", "classic") else 1e-4)
     # It stands on its wheels or belts all the time, and sinks in by less than a tenth of a millimetre.
     driven = [share for part, share in world.shares()["robot"].items() if "hull" not in part]
     assert len(driven) >= 3
@@ -129,6 +131,27 @@ def test_a_caster_is_lifted_over_an_edge_only_without_the_reaction_of_the_motors
     assert climbed("burger", 0.008, motors="classic")
     assert not climbed("burger", 0.008, motors="reaction")
     assert climbed("burger", 0.001, motors="reaction")
+
+
+def test_a_belt_that_slips_holds_across_only_as_in_classic() -> None:
+    """One belt meets a step of slippery blocks; while it slips, the other one turns a real robot towards it."""
+    step = step_of(0.03, friction=0.3)
+    levels = step.field.levels.copy()
+    levels[:, 10:] = 0
+    scene, turned = replace(step, field=replace(step.field, levels=levels)), {}
+    for motors in ("reaction", "classic"):
+        world = world_of("crawler", scene, Pose(x=-1.6, y=0.0, z=DROP_HEIGHT), motors=motors)
+        settled(world)
+        world.drive("robot", robot_of("crawler"), 0.2, 0.0)
+        met, yaws = False, []
+        for _ in range(30):
+            contacts = world.step_with_contacts(100)
+            met |= any("step_0000" in name for contact in contacts for name in contact.collisions)
+            yaws.append(abs(world.poses()["robot"].yaw))
+        assert met
+        turned[motors] = max(yaws)
+    assert turned["reaction"] > 0.3
+    assert turned["classic"] < 0.05
 
 
 @pytest.mark.slow

@@ -40,7 +40,7 @@ def turn_planes(
     xmat: wp.array2d[wp.mat33],
     body: wp.array[wp.int32],
     axis: wp.array[wp.vec3],
-    mu: wp.array[wp.vec2],
+    mu: wp.array[wp.vec3],
     belt: wp.array[wp.int32],
     speeds: wp.array2d[wp.float32],
     wedged: wp.array[wp.int32],
@@ -62,16 +62,16 @@ def turn_planes(
     normal = wp.vec3(frame[0, 0], frame[0, 1], frame[0, 2])
     across = wp.cross(normal, xmat[world, body[own]] * axis[own])
     length = wp.length(across)
-    along_axis, other, speed = mu[own][0], mu[own][1], wp.float32(0.0)
+    along_axis, other, times, speed = mu[own][0], mu[own][1], mu[own][2], wp.float32(0.0)
     if belt[own] >= 0 and wedged[world] == 0:
         speed = speeds[world, belt[own]]
     if length <= SIDE:
         across, length = wp.vec3(frame[2, 0], frame[2, 1], frame[2, 2]), wp.float32(1.0)
-        along_axis, other, speed = coefficients[0], coefficients[0], wp.float32(0.0)
+        along_axis, other, times, speed = coefficients[0], coefficients[0], wp.float32(1.0), wp.float32(0.0)
     across = across / length
     frames[at] = wp.matrix_from_rows(normal, wp.cross(across, normal), across)
-    coefficients[1] = wp.min(coefficients[0], other)
-    coefficients[0] = wp.min(coefficients[0], along_axis)
+    coefficients[1] = times * wp.min(coefficients[0], other)
+    coefficients[0] = times * wp.min(coefficients[0], along_axis)
     friction[at] = coefficients
     surface[at] = wp.vec3(0.0, speed, 0.0)
 

@@ -223,16 +223,16 @@ class ManyWorlds:
         """Keep, for each geom, its body (-1: it is none of the robot), axis, frictions and the side of its belt."""
         count = world.model.ngeom
         body, belt = np.full(count, -1, dtype=np.int32), np.full(count, -1, dtype=np.int32)
-        axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 2), dtype=np.float32)
+        axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
         for geom, own in world.shapes.directions.items():
-            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other)
+            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other, own.times)
         for _, side, geom in world.belts.belts:
             belt[geom] = side
         self._has_belts = bool(world.belts.belts)
         self._body: Any = wp.array(body)
         self._belt: Any = wp.array(belt)
         self._axis: Any = wp.array(axis, dtype=wp.vec3)
-        self._mu: Any = wp.array(mu, dtype=wp.vec2)
+        self._mu: Any = wp.array(mu, dtype=wp.vec3)
 
     def _keep_wheels(self, world: MujocoWorld) -> None:
         """Keep, for each wheel, its degree of freedom, its side, its speed by that of its belt, and its motor."""

@@ -22,6 +22,7 @@ from rsegen.mujoco.looks import add_looks
 from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, ROLLING, SOLIMP, SOLREF, TORSIONAL
 from rsegen.params.sorts import NANOMETRE_DIGITS
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, PlacedRobot
 
@@ -58,17 +59,18 @@ def map_model(
     placed: Sequence[PlacedRobot],
     *,
     seen: bool = False,
+    motors: str = MOTORS[0],
     built: AsBuilt = AS_DRAWN,
     boxes: NamedBoxes | None = None,
 ) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
-    seen: with colours and light, for a window; built: how the map differs from its drawing; boxes: next to its blocks,
-    with the friction of the scene
+    seen: with colours and light, for a window; motors: as which robots drive; built: how the map differs from its
+    drawing; boxes: next to its blocks, with the friction of the scene
     """
     blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
-    robots = [robot_model(robot, friction, alone=len(placed) == 1) for robot in placed]
+    robots = [robot_model(robot, friction, motors, alone=len(placed) == 1) for robot in placed]
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", balanceinertia="true", boundmass="1e-6", boundinertia="1e-9")
     SubElement(SubElement(root, "option", OPTION), "flag", multiccd=MULTICCD)

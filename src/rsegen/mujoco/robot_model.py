@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
@@ -28,6 +29,7 @@ from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
+from rsegen.robots.parameters import MOTORS
 from rsegen.robots.sdf_drives import is_damped_at_the_end, motor
 from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, inertia_tensor, radius_and_length
 from rsegen.simulators.embedded import PlacedRobot
@@ -58,6 +60,7 @@ class Shape(NamedTuple):
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
     they are equal on this map, but for a belt
+    times: by which the friction of a contact is multiplied: 2 for one of two shapes that share the load (`_halves`)
     """
 
     name: str
@@ -66,6 +69,7 @@ class Shape(NamedTuple):
     axis: Array | None = None
     mu_axis: float = 1.0
     mu_other: float = 1.0
+    times: float = 1.0
 
 
 class WheelMotor(NamedTuple):
@@ -106,9 +110,9 @@ class RobotModel:
     remarks: list[str] = field(default_factory=list)
 
 
-def robot_model(placed: PlacedRobot, friction: MapFriction, *, alone: bool) -> RobotModel:
+def robot_model(placed: PlacedRobot, friction: MapFriction, motors: str, *, alone: bool) -> RobotModel:
     """Return a robot at its start; alone: no other robot is in the world, so it touches the map only."""
-    return _Builder(placed, friction, alone=alone).model
+    return _Builder(placed, friction, motors, alone=alone).model
 
 
 def numbers(values: Sequence[float] | Array) -> str:
@@ -128,13 +132,13 @@ def quaternion(turn: Array) -> str:
 class _Builder:
     """Builds the model of one robot."""
 
-    def __init__(self, placed: PlacedRobot, friction: MapFriction, *, alone: bool) -> None:
+    def __init__(self, placed: PlacedRobot, friction: MapFriction, motors: str, *, alone: bool) -> None:
         at = placed.start
         text = placed.robot.without_plugins(placed.name, (at.x, at.y, at.z, at.roll, at.pitch, at.yaw))
         element = fromstring(text)  # noqa: S314  # ours, or was found to be plain elements
         self._where = placed.robot.kind
         self._frames = ModelFrames(element, self._where)
-        self._friction, self._alone = friction, alone
+        self._friction, self._alone, self._is_classic = friction, alone, motors == MOTORS[1]
         self._held = self._holders()
         self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
@@ -322,7 +326,7 @@ class _Builder:
             axis = None
         strongest = max(mu_axis, mu_other)
         mu_axis, mu_other = (max(mu, _SLIPPERY * strongest, LEAST) for mu in (mu_axis, mu_other))
-        for layer in self._friction.layers(strongest):
+        for layer, half in product(self._friction.layers(strongest), self._halves(side, mu_axis, mu_other)):
             name = f"{self.model.name}/{len(self.model.shapes)}"
             others = ROBOTS if layer.priority and not self._alone else 0
             geom = SubElement(
@@ -339,7 +343,18 @@ class _Builder:
             )
             if side >= 0:
                 geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
-            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other))
+            self.model.shapes.append(Shape(name, part, side, axis, *half))
+
+    def _halves(self, side: int, mu_axis: float, mu_other: float) -> Sequence[tuple[float, float, float]]:
+        """Return the coefficients along the axis and across it, and `times`, of each shape that stands for one.
+
+        Friction has a most force, which MuJoCo takes whatever its direction, as Coulomb does: a belt that slips along
+        holds nothing across. ODE, Classic's engine, has one along and one across, each on its own. Two shapes in one
+        place carry half of the load each, so one holds along and the other across, with twice the coefficient.
+        """
+        if side < 0 or not self._is_classic:
+            return [(mu_axis, mu_other, 1.0)]
+        return [(mu_axis, LEAST, 2.0), (LEAST, mu_other, 2.0)]
 
     def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
         """Return the axis of friction of a driven wheel, and the coefficients along it and across it.

@@ -76,7 +76,7 @@ class MujocoWorld(EmbeddedWorld):
         built: AsBuilt = AS_DRAWN,
         boxes: NamedBoxes | None = None,
     ) -> None:
-        made = map_model(scene, placed, seen=seen, built=built, boxes=boxes)
+        made = map_model(scene, placed, seen=seen, motors=motors, built=built, boxes=boxes)
         try:
             with without_log():
                 self.model: Any = mujoco.MjModel.from_xml_string(made.text)
@@ -318,12 +318,16 @@ _SLEEP = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 
 
 class _Directions(NamedTuple):
-    """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across."""
+    """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across.
+
+    times: by which both count
+    """
 
     body: int
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
     mu_axis: float = inf
     mu_other: float = inf
+    times: float = 1.0
 
 
 class _Shapes:
@@ -342,7 +346,8 @@ class _Shapes:
         self._part = [0] * model.ngeom
         self.directions: dict[int, _Directions] = {}
         self._axes: list[tuple[int, tuple[float, float, float]]] = []  # bodies, and axes in their frames, all different
-        self._frictions: dict[int, tuple[int, float, float]] = {}  # of each shape: its row of `_axes`, and coefficients
+        # Of each shape: its row of `_axes`, and coefficients, and by how much they are multiplied.
+        self._frictions: dict[int, tuple[int, float, float, float]] = {}
         self.speed = [0.0] * model.ngeom
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
@@ -351,11 +356,12 @@ class _Shapes:
             own = _Directions(int(model.geom_bodyid[geom]))
             if shape.axis is not None:
                 x, y, z = shape.axis.tolist()
-                own = own._replace(axis=(x, y, z), mu_axis=friction * shape.mu_axis, mu_other=friction * shape.mu_other)
+                mu_axis, mu_other = friction * shape.mu_axis, friction * shape.mu_other
+                own = _Directions(own.body, (x, y, z), mu_axis, mu_other, shape.times)
             self.directions[geom] = own
             if (line := (own.body, own.axis)) not in self._axes:
                 self._axes.append(line)
-            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other
+            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other, own.times
         self._touched: Counter[bytes] = Counter()
         self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
 
@@ -390,7 +396,7 @@ class _Shapes:
         found: list[float] = []  # of each contact: two directions, two coefficients, a speed
         owners, mus = map(max, contact.geom.tolist()), friction[:, 0].tolist()
         for own, frame, mu in zip(owners, frames.tolist(), mus, strict=True):
-            number, mu_axis, mu_other = known[own]
+            number, mu_axis, mu_other, times = known[own]
             if number not in axes:
                 body, (p, q, r) = self._axes[number]
                 a, b, c, d, e, f, g, h, i = xmat[body].tolist()
@@ -402,10 +408,11 @@ class _Shapes:
             length = sqrt(x * x + y * y + z * z)
             surface = speed[own]
             if length <= SIDE:
-                (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0
+                (x, y, z), length, mu_axis, mu_other, times, surface = other, 1.0, mu, mu, 1.0, 0.0
             x, y, z = x / length, y / length, z / length
             found += (nz * y - ny * z, nx * z - nz * x, ny * x - nx * y, x, y, z)
-            found += (mu if mu < mu_axis else mu_axis, mu if mu < mu_other else mu_other, surface)
+            mu_axis, mu_other = mu if mu < mu_axis else mu_axis, mu if mu < mu_other else mu_other
+            found += (times * mu_axis, times * mu_other, surface)
         rows = np.array(found).reshape(-1, 9)
         frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = rows[:, :6], rows[:, 6:8], rows[:, 8]
 

@@ -30,7 +30,6 @@ from rsegen.params.streams import SEEDS
 from rsegen.rating.axes import Axis
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import compose
@@ -198,8 +197,7 @@ def usual_duration(robot: DrivableRobot, field: StepField) -> float:
 def judge_of(by: str, robot: DrivableRobot, motors: str | None, duration: float | None) -> Judge:
     """Return a judge of a robot by its name; a NoSimulator if that is not installed."""
     if by == "mujoco":
-        words = "" if isinstance(robot.drive, Tracks) else f", motors as {motors or MOTORS[0]}"
-        title = f"{required_simulator('ratings need')}{words}"
+        title = f"{required_simulator('ratings need')}, motors as {motors or MOTORS[0]}"
         return InMujoco(name=by, title=title, cost=0.5, robot=robot, duration=duration, motors=motors)
     if by == "prediction":
         return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)

@@ -1,4 +1,4 @@
-"""The parameters that name a robot, and how the motors of its wheels act."""
+"""The parameters that name a robot, and how its motors act."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(m
 AnyRobot = Annotated["str | os.PathLike[str] | DrivableRobot | None", _ROBOT, Shell(metavar="KIND|FILE")]
 
 MOTORS = ("reaction", "classic")
-"""Kinds of wheel motors: with a torque that acts on the chassis too, as real ones have; or as in Gazebo Classic's
-drive, which sets the speed of a wheel without a torque."""
+"""How a robot drives: as a real one, whose motors act on the chassis too, and whose belts hold across by what slipping
+leaves of their friction; or as in Gazebo Classic, which sets the speed of a wheel without a torque, and where belts
+hold across as firmly while they slip along."""
 
 MotorModel = Annotated[
     str | None,
     Choice(
         MOTORS,
-        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real motors do, or without "
-        "it, as Gazebo Classic's",
+        help="how motors act in MuJoCo: as real ones, which push the chassis back, or as Gazebo Classic's, which do "
+        "not, and whose belts hold sideways while they slip",
     ),
     Shell(default=MOTORS[0]),
 ]
