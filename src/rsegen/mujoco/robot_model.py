@@ -138,8 +138,7 @@ class _Builder:
         self._held = self._holders()
         self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
-        drive = placed.robot.drive
-        self._driven = self._frames.on_joints((*drive.left, *drive.right))
+        self._driven = placed.robot.drive.links(self._frames.child)
         self._has_mecanum = False
         self._add_bodies(self._frames.local(element))
         self._add_followers()
@@ -225,9 +224,8 @@ class _Builder:
 
     def _add_followers(self) -> None:
         """Add constraints by which joints follow others; what has a motor of the drive follows that."""
-        drive = self.model.drive
         for name, mimic in mimics(self._frames).items():
-            if name in (*drive.left, *drive.right):
+            if name in self.model.drive.joints:
                 continue
             joints = {"joint1": f"{self.model.name}/{name}", "joint2": f"{self.model.name}/{mimic.leader}"}
             ratio = numbers((mimic.offset, mimic.multiplier, 0, 0, 0))

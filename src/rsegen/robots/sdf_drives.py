@@ -490,7 +490,7 @@ _SLIPPERY = 0.01
 
 def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
     """Return the friction coefficients of the shapes that a robot drives on."""
-    links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
+    links = drive.links(frames.child)
     shapes = [collision for link, collision, _ in frames.collisions() if link in links]
     return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
 
@@ -521,7 +521,7 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
     ground: a force of I v / (r^2 t) in a step of t seconds.
     """
     moments = []
-    for joint in (*drive.left, *drive.right):
+    for joint in drive.joints:
         link = frames.child(joint)
         element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
         inertial = element.find("inertial")
