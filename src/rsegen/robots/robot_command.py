@@ -207,6 +207,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     from rsegen.robots.sdf_drives import frictions, motor
     from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
 
+    # First what every model has, links and shapes; then the drive, or why it has none; last what that drives on.
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
     masses = inertials(frames)
     bare = links_by_default(frames)
