@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from math import pi
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from rsegen.errors import ParameterError
 from rsegen.mujoco.turning import turn_gain
@@ -270,3 +272,26 @@ def test_a_belt_runs_down_in_front_of_every_shape(tmp_path: Path) -> None:
     at = world.poses()["robot"]
     assert at.x > -0.7
     assert at.z == pytest.approx(0.01, abs=0.002)
+
+
+def test_shapes_of_one_file_share_its_hull_and_the_file_is_read_again_once_it_changes(tmp_path: Path) -> None:
+    def side_of(size: float, at: float) -> str:
+        """Return a collision shape of a mesh that is a cube, scaled."""
+        mesh = f"<mesh><uri>part.stl</uri><scale>{size} {size} {size}</scale></mesh>"
+        return f'<collision name="c{at}"><pose>0 {at} 0.1 0 0 0</pose><geometry>{mesh}</geometry></collision>'
+
+    def half_sides(world: MujocoWorld) -> list[float]:
+        return sorted(round(float(extent[3]), 6) for extent in world.model.geom_aabb[world.model.geom_dataid >= 0])
+
+    load = f"""<link name="load"><pose>0 0 0.2 0 0 0</pose>{inertial(0.1, 1e-4)}
+      {side_of(1, 0.1)}{side_of(1, -0.1)}{side_of(0.5, 0)}</link>
+      <joint name="held" type="fixed"><parent>base</parent><child>load</child></joint>"""
+    trimesh.creation.box((0.04, 0.04, 0.04)).export(tmp_path / "part.stl")
+    robot = cart(tmp_path, pair(), more=load)
+    world = world_of(robot)
+    assert world.model.nmesh == 2
+    assert "robot: 3 of its collision shapes are meshes, which touch with their convex hulls" in world.notes()
+    assert half_sides(world) == [0.01, 0.02, 0.02]
+    trimesh.creation.box((0.06, 0.06, 0.06)).export(tmp_path / "part.stl")
+    os.utime(tmp_path / "part.stl", (1, 1))  # as clocks of files may be coarse
+    assert half_sides(world_of(robot)) == [0.015, 0.03, 0.03]

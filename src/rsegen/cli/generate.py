@@ -15,7 +15,7 @@ from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import add_input, add_recipe_flags, recipe_from
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, maps_bar
+from rsegen.cli.report import Report, call, counted, maps_bar
 from rsegen.params.command import add_flags, command, declared, given
 from rsegen.writing.sidecars import chosen_sidecars, sidecar_kinds, with_sidecars
 
@@ -173,13 +173,13 @@ def _content(made: Generated) -> dict[str, object]:
 
 def _lines(made: Generated) -> Iterator[str]:
     if made.already:
-        yield f"{_count(len(made.already))} already exist, seed {made.recipe.seed}"
+        yield f"{counted(len(made.already), 'map')} already exist, seed {made.recipe.seed}"
     if not made.maps:
         return
     from rsegen.gazebo.map_summary import size_in_words
 
     size = size_in_words(made.recipe.grid.shape, made.maps[0].cells)
-    yield f"{_count(len(made.maps))} of {size}, seed {made.recipe.seed}:"
+    yield f"{counted(len(made.maps), 'map')} of {size}, seed {made.recipe.seed}:"
     for generated in made.maps[:SHOWN]:
         yield f"  {generated.world}"
     if len(made.maps) > SHOWN:
@@ -201,10 +201,6 @@ def warnings_of(maps: Iterable[GeneratedMap]) -> Iterator[str]:
     yield from (f"warning: {text}" for text in different[:SHOWN])
     if len(different) > SHOWN:
         yield f"and {len(different) - SHOWN} more warnings; rsegen info shows those of a map"
-
-
-def _count(maps: int) -> str:
-    return f"{maps} map{'s'[: maps > 1]}"
 
 
 def _how_to_open(first: GeneratedMap, folder: Path, simulator: str) -> Iterator[str]:

@@ -15,7 +15,7 @@ from rsegen.cli.flags import (
 from rsegen.cli.generate import SHOWN, going_on, run_options
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, counting
+from rsegen.cli.report import Report, call, counted, counting
 from rsegen.formats.parameters import EXPLAINED, FormatList, listed, row_of_names
 from rsegen.params.command import Shell, add_flags, command
 from rsegen.params.sorts import FilePath, Integer, Reference
@@ -157,7 +157,7 @@ def _exported(made: ExportedMap) -> dict[str, object]:
 def _export_lines(made: tuple[ExportedMap, ...], already: int) -> Iterator[str]:
     """Yield every file of one map; of many their folders."""
     if already:
-        yield f"{already} map{'s'[: already > 1]} complete already"
+        yield f"{counted(already, 'map')} complete already"
     if not made:
         return
     if len(made) == 1:

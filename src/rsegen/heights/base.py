@@ -311,13 +311,22 @@ register = IMPORTERS.register
 """Decorator of an importer, which is known by the suffixes of its files then."""
 
 
+_ESRI_START = re.compile(r"\s*ncols\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
+"""The first line of a grid in Esri's ASCII format."""
+
+
+def is_esri_grid(text: str) -> bool:
+    """Return whether a text begins as a grid in Esri's ASCII format does, in which maps of ground are written."""
+    return bool(_ESRI_START.match(text))
+
+
 def reads(path: Path, start: bytes) -> str:
     """Return what reads a file with heights (`Capability.reads`): a table by its suffix, an occupancy grid by a key."""
     suffix = path.suffix.lower()
     if suffix in (".yaml", ".yml"):
         is_known = bool(re.search(rb"^image:", start, re.MULTILINE))
     elif suffix == ".asc":  # a grid, or else a cloud
-        is_known = start.lstrip().lower().startswith(b"ncols")
+        is_known = is_esri_grid(start.decode("latin-1"))
     else:
         is_known = suffix in IMPORTERS and suffix != ".txt"  # which may be anything
     return "rsegen import (for heights)" if is_known else ""

@@ -18,7 +18,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
-from rsegen.heights.base import CENTIMETRES, MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.heights.base import (
+    CENTIMETRES,
+    MOST_CELLS,
+    USUAL_UNIT_CM,
+    Heights,
+    is_esri_grid,
+    refuse_too_many_cells,
+    register,
+)
 from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_degrees
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
@@ -165,16 +173,10 @@ class Table(Measured):
         return self.measured(path, numbers * {**CENTIMETRES, "levels": unit}[values], unit)
 
 
-_ESRI_START = re.compile(r"\s*ncols\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
 _ESRI_LINE = re.compile(
     r"\s*(ncols|nrows|[xy]ll(?:corner|center)|cellsize|d[xy]|nodata_value)\s+(\S+)\s*", re.IGNORECASE
 )
-"""The first line of a grid in Esri's ASCII format, and a line of its header."""
-
-
-def is_esri_grid(text: str) -> bool:
-    """Return whether a text begins as a grid in Esri's ASCII format does, in which maps of ground are written."""
-    return bool(_ESRI_START.match(text))
+"""A line of the header of a grid in Esri's ASCII format."""
 
 
 def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:

@@ -68,6 +68,7 @@ def map_model(
     seen: with colours and light, for a window; motors: as which robots drive; built: how the map differs from its
     drawing; boxes: next to its blocks, with the friction of the scene
     """
+    # Coefficients of the whole map come first, as they decide in how many layers the shapes of a robot are.
     blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
     robots = [robot_model(robot, friction, motors, alone=len(placed) == 1) for robot in placed]

@@ -12,9 +12,12 @@ and a link that hangs on two others, which are refused.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
+from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
@@ -92,8 +95,9 @@ class WheelMotor(NamedTuple):
 class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
-    links: their names, as in its file; bodies: of the world; assets: meshes; excluded: pairs of bodies that do not
-    touch; equalities: joints that follow others; remarks: sentences about what is not as in its file
+    links: their names, as in its file; bodies: of the world; assets: meshes; hulls: the parts that have one; excluded:
+    pairs of bodies that do not touch; equalities: joints that follow others; remarks: sentences about what is not as in
+    its file
     """
 
     name: str
@@ -102,6 +106,7 @@ class RobotModel:
     links: list[str] = field(default_factory=list)
     bodies: list[Element] = field(default_factory=list)
     assets: list[Element] = field(default_factory=list)
+    hulls: list[str] = field(default_factory=list)
     excluded: list[tuple[str, str]] = field(default_factory=list)
     equalities: list[Element] = field(default_factory=list)
     shapes: list[Shape] = field(default_factory=list)
@@ -142,8 +147,8 @@ class _Builder:
         self._held = self._holders()
         self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
-        drive = placed.robot.drive
-        self._driven = self._frames.on_joints((*drive.left, *drive.right))
+        self._driven = placed.robot.drive.links(self._frames.child)
+        self._meshes: dict[str, str] = {}
         self._has_mecanum = False
         self._add_bodies(self._frames.local(element))
         self._add_followers()
@@ -229,9 +234,8 @@ class _Builder:
 
     def _add_followers(self) -> None:
         """Add constraints by which joints follow others; what has a motor of the drive follows that."""
-        drive = self.model.drive
         for name, mimic in mimics(self._frames).items():
-            if name in (*drive.left, *drive.right):
+            if name in self.model.drive.joints:
                 continue
             joints = {"joint1": f"{self.model.name}/{name}", "joint2": f"{self.model.name}/{mimic.leader}"}
             ratio = numbers((mimic.offset, mimic.multiplier, 0, 0, 0))
@@ -308,6 +312,10 @@ class _Builder:
         direction: Array,
     ) -> None:
         mu, mu2 = mus
+        attributes = shape.attributes
+        if "vertex" in attributes:
+            attributes = {"type": "mesh", "mesh": self._asset(attributes["vertex"])}
+            self.model.hulls.append(part)
         back = shape.link[:3, :3].T  # from the model's frame to the link's
         axis: Array | None = None
         mu_axis, mu_other = mu, mu2
@@ -332,7 +340,7 @@ class _Builder:
             geom = SubElement(
                 body,
                 "geom",
-                shape.attributes,
+                attributes,
                 name=name,
                 pos=numbers(shape.pose[:3, 3]),
                 quat=quaternion(shape.pose[:3, :3]),
@@ -355,6 +363,16 @@ class _Builder:
         if side < 0 or not self._is_classic:
             return [(mu_axis, mu_other, 1.0)]
         return [(mu_axis, LEAST, 2.0), (LEAST, mu_other, 2.0)]
+
+    def _asset(self, vertices: str) -> str:
+        """Return the name of a mesh with these vertices; shapes of one file share it, as its hull takes time.
+
+        MuJoCo moves a mesh to its centre and turns it to its axes, and the geom with it.
+        """
+        if vertices not in self._meshes:
+            self._meshes[vertices] = name = f"{self.model.name}/mesh{len(self._meshes)}"
+            self.model.assets.append(Element("mesh", name=name, vertex=vertices, inertia="convex"))
+        return self._meshes[vertices]
 
     def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
         """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
@@ -387,24 +405,10 @@ class _Builder:
             name = "cylinder" if kind.tag == "cone" else kind.tag
             yield {"type": name, "size": numbers((max(radius, _THIN), half))}, np.eye(4)
         elif kind.tag == "mesh":
-            yield self._mesh(kind, part)
+            path, scale = file_and_scale(kind, where)
+            yield _hull(path, tuple(scale.tolist()), os.path.getmtime(path) if os.path.isfile(path) else 0.0)
         else:
             raise FileError(f"{where}: {part} is a <{kind.tag}>, which cannot be driven in MuJoCo")
-
-    def _mesh(self, kind: Element, part: str) -> tuple[dict[str, str], Array]:
-        """Return a mesh as its convex hull; one that is flat as a thin box."""
-        path, scale = file_and_scale(kind, self._where)
-        points, corners = simplified_to(collision_mesh(path), _OF_HULL)
-        used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
-        low, high = used.min(axis=0), used.max(axis=0)
-        spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)
-        if len(used) < 4 or spread[-1] < _THIN:  # no hull has a volume
-            half = np.maximum((high - low) / 2, _THIN)
-            return {"type": "box", "size": numbers(half)}, pose_matrix((low + high) / 2)
-        name = f"{self.model.name}/mesh{len(self.model.assets)}"
-        # The compiler moves a mesh to its centre and turns it to its axes, and the geom with it.
-        self.model.assets.append(Element("mesh", name=name, vertex=numbers(used.ravel()), inertia="convex"))
-        return {"type": "mesh", "mesh": name}, np.eye(4)
 
     def _rounded(self, solid: tuple[dict[str, str], Array], in_model: Array) -> Iterator[tuple[dict[str, str], Array]]:
         """Yield a belt round two ends in place of a single box or mesh, in the frame of that shape.
@@ -416,7 +420,7 @@ class _Builder:
             half = np.array(attributes["size"].split(), dtype=float)
             corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
         else:
-            corners = np.array(self.model.assets.pop().get("vertex", "").split(), dtype=float).reshape(-1, 3)
+            corners = np.array(attributes["vertex"].split(), dtype=float).reshape(-1, 3)
         placed = in_model @ at
         turned = corners @ placed[:3, :3].T
         low, high = turned.min(axis=0), turned.max(axis=0)
@@ -448,6 +452,19 @@ class _Builder:
                 is_freed = is_damped_at_the_end(element)
                 self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense, is_freed))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
+
+
+@lru_cache(maxsize=64)
+def _hull(path: Path, scale: tuple[float, ...], changed: float) -> tuple[dict[str, str], Array]:
+    """Return a mesh by the points of its convex hull; one that is flat as a thin box. changed: when its file was."""
+    points, corners = simplified_to(collision_mesh(path), _OF_HULL)
+    used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
+    low, high = used.min(axis=0), used.max(axis=0)
+    spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)
+    if len(used) < 4 or spread[-1] < _THIN:  # no hull has a volume
+        half = np.maximum((high - low) / 2, _THIN)
+        return {"type": "box", "size": numbers(half)}, pose_matrix((low + high) / 2)
+    return {"type": "mesh", "vertex": numbers(used.ravel())}, np.eye(4)
 
 
 class _Placed(NamedTuple):

@@ -207,8 +207,7 @@ class MujocoWorld(EmbeddedWorld):
     def notes(self) -> Iterator[str]:
         """Yield what a reader of the drive should know of its physics: that meshes touch with their hulls."""
         for robot in self.robots:
-            if robot.assets:
-                count = len(robot.assets)
+            if count := len(robot.hulls):
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
         # Robots of one kind have the same remarks.
         yield from dict.fromkeys(f"{robot.kind}: {remark}" for robot in self.robots for remark in robot.remarks)

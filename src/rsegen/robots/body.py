@@ -16,7 +16,6 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
-from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
 from rsegen.robots.meshes import collision_mesh, simplified
 from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, inertials, radius_and_length
@@ -56,7 +55,7 @@ def body_of_links(robot: Robot) -> Body:
     for servo in robot.servos:  # which holds what hangs on its joint at an angle
         joint = joints[servo.joint]
         poses[joint.child][:3, :3] @= turn_about(joint.axis or (0, 0, 1), servo.rest)
-    driven = _driven(robot.drive, {name: joint.child for name, joint in joints.items()})
+    driven = robot.drive.links(lambda name: joints[name].child)
     links = [(link, poses[link.name]) for link in robot.links]
     centres = [pose[:3, :3] @ np.array(link.centre[:3]) + pose[:3, 3] for link, pose in links]
     return body_of_shapes(
@@ -89,21 +88,13 @@ def _shapes(links: Iterable[tuple[Link, Array]], driven: set[str], distance: flo
             )
 
 
-def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
-    """Return the links that a drive moves: those on the joints of wheels, or tracks themselves."""
-    names = {*getattr(drive, "left", ()), *getattr(drive, "right", ())}
-    return {children.get(name, name) for name in names} if isinstance(drive, Wheels) else names
-
-
 @lru_cache(maxsize=16)
 def body_of_file(robot: SdfRobot) -> Body:
     """Return the body of a robot of a file; ParameterError without collision shapes, FileError for unknown ones."""
     model = fromstring(robot.text)  # noqa: S314  # was found to be plain elements
     frames, distance = ModelFrames(model, robot.kind), sample_distance(robot.size[0])
-    children = {name: frames.child(name) for name in frames.joints}
-    driven = (
-        _driven(robot.read_drive.drive, children) if robot.read_drive else {children[name] for name in robot.joints}
-    )
+    read = robot.read_drive
+    driven = read.drive.links(frames.child) if read else set(map(frames.child, robot.joints))
     lifted = pose_matrix((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
     shapes: list[Shape] = []
     solids: dict[Hashable, list[tuple[SurfaceSamples, Array]]] = {}

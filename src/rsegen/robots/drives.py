@@ -9,6 +9,7 @@ simulator (docs/robots.md). Servos hold other joints, such as flippers and arms,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, sin
 from typing import Any, NamedTuple
@@ -97,6 +98,15 @@ class Drive(ABC):
         """What it drives on at its left and at its right, such as `front_left+rear_left`."""
         return "+".join(self.left), "+".join(self.right)
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints that it turns; tracks turn none."""
+        return ()
+
+    def links(self, child: Callable[[str], str]) -> set[str]:
+        """Return the links that it drives on; child: the link on a joint."""
+        return set(map(child, self.joints)) or {*self.left, *self.right}
+
     def sides(self, v: Any, w: Any, gain: float = 1.0) -> tuple[Any, Any]:
         """Return the speeds of its left and its right side, m/s, for numbers or arrays; gain: of the turn rate."""
         aside = w * gain * self.separation / 2
@@ -134,6 +144,11 @@ class Wheels(Drive):
     spread: float = 1
     acceleration: float | None = None
     torque: float | None = None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its hinges, the left ones first."""
+        return (*self.left, *self.right)
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
         """Return DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""

@@ -13,7 +13,7 @@ from collections.abc import Collection, Mapping
 from xml.etree.ElementTree import Element
 
 from rsegen.gazebo.sdf import numbers
-from rsegen.robots.drives import Drive, Tracks, Wheels
+from rsegen.robots.drives import Drive
 from rsegen.robots.mimics import MOVING, Mimic, first_leader, mimics
 from rsegen.robots.sdf_drives import UPRIGHT, is_endless
 from rsegen.robots.sdf_elements import put
@@ -26,16 +26,17 @@ def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ..
     follows: whether the simulator keeps to <mimic>; if not, all joints are as if they had none
     """
     frames = ModelFrames(model, model.get("name", ""))
-    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
-    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
+    wheels = drive.joints if drive else ()
+    driven = drive.links(frames.child) if drive else set[str]()
+    belts = () if wheels else driven
     followed = mimics(frames) if follows and drive else {}
-    free = _differentials(frames, followed, {*tracks, *(frames.child(wheel) for wheel in wheels)})
+    free = _differentials(frames, followed, driven)
 
     def is_held(name: str) -> bool:
         if name in free or name in wheels:
             return False
         joint = frames.joints[name]
-        return drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint))
+        return drive is None or frames.child(name) in belts or not (is_endless(joint) or _has_spring(joint))
 
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
     moving = [name for name, joint in frames.joints.items() if joint.get("type") in MOVING and name not in wheels]

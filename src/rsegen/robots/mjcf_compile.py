@@ -8,6 +8,7 @@ most of it for the hulls of meshes. What breaks it: what MuJoCo's own reader ref
 from __future__ import annotations
 
 import os
+import re
 from math import isnan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,6 +37,11 @@ _MUJOCO_READS = ".xml"
 
 _SIDES_DIFFER = 1e-9
 """Share by which the scales of a mesh along its axes may differ and count as equal."""
+
+
+_REFUSED = re.compile(r"XML Error: (?:Schema violation: )?(.*?)\s*Element '(.*)', line (\d+)\s*", re.DOTALL)
+_UNKNOWN = re.compile(r"unrecognized (?:element|attribute: '(.*)')")
+"""MuJoCo's message about an element, whose line is 0 if it is in an included file; and what it says of unknown ones."""
 
 
 class Compiled(NamedTuple):
@@ -69,12 +75,28 @@ def compiled(root: Element, where: str) -> Compiled:
             spec.memory = -1  # what a file asks for may not be there
             model = _compiled_without_hulls(spec)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        problem = ", ".join(line.strip() for line in str(error).splitlines() if line.strip())
-        raise FileError(f"{where}: MuJoCo does not read it: {problem}") from None
+        raise FileError(f"{where}: {_refusal(str(error))}") from None
     name = spec.modelname if spec.modelname not in ("", "MuJoCo Model") else Path(where).stem
     names = [model.mesh(mesh).name for mesh in range(model.nmesh)]
     meshes = [_uri_and_pose(model, mesh, spec.mesh(name), folder) for mesh, name in enumerate(names)]
     return Compiled(model, name, meshes, missing)
+
+
+def _refusal(message: str) -> str:
+    """Return where and why MuJoCo refuses a file, and what helps if the file is for another version of MuJoCo."""
+    import mujoco
+
+    reader, refused = f"MuJoCo {mujoco.mj_versionString()}", _REFUSED.fullmatch(message)
+    if not refused:
+        problem = ", ".join(line.strip() for line in message.splitlines() if line.strip())
+        return f"{reader} does not read it: {problem}"
+    problem, element, line = refused.groups()
+    place = f"line {line}: <{element}>" if line != "0" else f"<{element}> in a file that it includes"
+    if unknown := _UNKNOWN.fullmatch(problem):
+        what = f"its attribute {shown(unknown[1])}" if unknown[1] else "this element in this place"
+        advice = "delete it if the file is for an older version; update MuJoCo if it is for a newer one"
+        return f"{place}: {reader} does not know {what}; {advice}"
+    return f"{place}: {reader} does not read it: {problem}"
 
 
 def _refuse_mesh(path: Path, content_type: str) -> None:

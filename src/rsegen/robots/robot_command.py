@@ -207,6 +207,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     from rsegen.robots.sdf_drives import frictions, motor
     from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
 
+    # First what every model has, links and shapes; then the drive, or why it has none; last what that drives on.
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
     masses = inertials(frames)
     bare = links_by_default(frames)
@@ -236,7 +237,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
     yield Figure(name="turn rate", value=f"{robot.turn:.4g} rad/s", origin=_assumed(robot, "turn") or read.limits_by)
     if isinstance(drive, Wheels):
-        motors = {motor(drive, joint, frames): None for joint in (*drive.left, *drive.right)}
+        motors = {motor(drive, joint, frames): None for joint in drive.joints}
         value = ", ".join("no limit" if torque is None else f"{torque:.4g} Nm" for torque, _ in motors)
         where = " and ".join(dict.fromkeys(origin for _, origin in motors))
         uses = "" if all(torque for torque, _ in motors) else ": in MuJoCo only friction limits its push"

@@ -118,7 +118,17 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
 
 
 def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of the first plug-in that is known and names what it drives.
+    """Return the drive of the first plug-in that is known and names what it drives."""
+    merged = _drive_plugins(model, frames)
+    readers = {"wheels": _wheels, "tracks": _tracks}
+    read = ((key, readers[KNOWN[key]](plugin, frames)) for key, plugin in merged.items() if key in KNOWN)
+    drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
+    controllers = merged.get(TRACK_CONTROLLER)
+    return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames))
+
+
+def _drive_plugins(model: Element, frames: ModelFrames) -> dict[str, Element]:
+    """Return the plug-ins of a model that drive it, by their keys.
 
     Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
     """
@@ -127,11 +137,7 @@ def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
         key = plugin_key(plugin.get("filename", ""))
         if key in (*KNOWN, TRACK_CONTROLLER):
             merged.setdefault(key, Element("plugin")).extend(list(plugin))
-    readers = {"wheels": _wheels, "tracks": _tracks}
-    read = ((key, readers[KNOWN[key]](plugin, frames)) for key, plugin in merged.items() if key in KNOWN)
-    drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
-    controllers = merged.get(TRACK_CONTROLLER)
-    return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames))
+    return merged
 
 
 def _plugins(model: Element, frames: ModelFrames, scope: str = "") -> Iterator[Element]:
@@ -386,8 +392,7 @@ def _joints(plugin: Element) -> tuple[list[str], list[str]]:
 
 def missing_joints(model: Element, frames: ModelFrames) -> list[str]:
     """Return the joints that plug-ins of wheels name, and the model has not: it was changed, or they are left out."""
-    plugins = [plugin for plugin in _plugins(model, frames) if plugin_key(plugin.get("filename", "")) in KNOWN]
-    named = (joint for plugin in plugins for side in _joints(plugin) for joint in side)
+    named = (joint for plugin in _drive_plugins(model, frames).values() for side in _joints(plugin) for joint in side)
     return [joint for joint in dict.fromkeys(named) if joint not in frames.joints]
 
 
@@ -490,7 +495,7 @@ _SLIPPERY = 0.01
 
 def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
     """Return the friction coefficients of the shapes that a robot drives on."""
-    links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
+    links = drive.links(frames.child)
     shapes = [collision for link, collision, _ in frames.collisions() if link in links]
     return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
 
@@ -521,7 +526,7 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
     ground: a force of I v / (r^2 t) in a step of t seconds.
     """
     moments = []
-    for joint in (*drive.left, *drive.right):
+    for joint in drive.joints:
         link = frames.child(joint)
         element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
         inertial = element.find("inertial")

@@ -337,9 +337,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames)])
-    turned = (
-        frames.on_joints((*drive.drive.left, *drive.drive.right)) if drive else set[str]()
-    )  # a rotor adds to theirs
+    turned = set(map(frames.child, drive.drive.joints)) if drive else set[str]()  # a rotor adds to theirs
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
@@ -523,7 +521,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
 
 def _free_wheels(model: Element, drive: Drive | None) -> None:
     """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
-    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
+    wheels = drive.joints if drive else ()
     for joint in model.findall("joint"):
         if joint.get("name") in wheels and is_damped_at_the_end(joint):
             for dynamics in joint.findall("axis/dynamics"):

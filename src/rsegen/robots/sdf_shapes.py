@@ -9,7 +9,7 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import radians
 from pathlib import Path
@@ -75,10 +75,6 @@ class ModelFrames:
     def child(self, joint: str) -> str:
         """Return the link that a joint turns."""
         return self._link(joint, "child")
-
-    def on_joints(self, names: Iterable[str]) -> set[str]:
-        """Return the links that joints of these names turn; names that are none, as of tracks, have none."""
-        return {self.child(name) for name in names if name in self.joints}
 
     def parent(self, joint: str) -> str:
         """Return the link that a joint hangs on."""

@@ -115,8 +115,7 @@ def _frames_and_driven(robot: DrivableRobot) -> tuple[ModelFrames, set[str]]:
     frames = ModelFrames(fromstring(robot.without_plugins("robot")), robot.kind)  # noqa: S314  # ours, or found plain
     if isinstance(robot, SdfRobot) and not robot.read_drive:
         return frames, set()
-    driven = {*robot.drive.left, *robot.drive.right}  # links of tracks, or joints of wheels
-    return frames, driven | {frames.child(joint) for joint in driven & frames.joints.keys()}
+    return frames, robot.drive.links(frames.child)
 
 
 def _geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:

@@ -25,8 +25,8 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.heights.base import is_esri_grid
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
-from rsegen.heights.table import is_esri_grid
 from rsegen.input_files import first_inside, open_regular, opened_image, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with

@@ -415,14 +415,13 @@ FALL_ROOM = 0.02
 crossed in Gazebo Classic, of those with less 3 of 9."""
 
 
-def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
-    """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
+def driven_lanes(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Array:
+    """Return the places across, metres, of the straight lanes that are driven to their ends.
 
-    The lanes a little to either side of it are driven too. middles: of the lanes, by default as of `straight`.
+    The lanes a little to either side of them are driven too. middles: of the lanes, by default as of `straight`.
     """
     middles = across(field, axis) if middles is None else middles
-    passed = surely_passed(straight(field, body, axis, middles), field, body, axis, middles)
-    return float(middles[passed.argmax()]) if passed.any() else None
+    return middles[surely_passed(straight(field, body, axis, middles), field, body, axis, middles)]
 
 
 def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles: Array) -> Mask:

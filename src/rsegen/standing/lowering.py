@@ -36,15 +36,13 @@ from rsegen.standing.lanes import (
     across,
     careful,
     drive_lanes,
+    driven_lanes,
     entry_distance,
     lines_along,
     origins,
     room_beside,
     safely_passed,
     step_of,
-    straight,
-    straight_lane,
-    surely_passed,
 )
 from rsegen.standing.settling import PaddedGround, outer_radius
 
@@ -90,7 +88,7 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     middles = across(field, axis)[np.argsort(unevenness, kind="stable")]
     driven, count = 0, _FIRST_LANES
     while driven < len(middles) and room <= 1:
-        if _is_safe(field, body, axis, middles[driven : driven + count], room):
+        if _is_safe(field, body, axis, driven_lanes(field, body, axis, middles[driven : driven + count]), room):
             return None
         driven, count = min(driven + count, len(middles)), _LANES
         report_share(robot.search, (axis + driven / len(middles) / 2) / 2)
@@ -102,10 +100,11 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
         caps = caps if axis == 0 else caps.T
         lowered = replace(field, levels=np.minimum(field.levels, caps).astype(np.int16))
         middle = np.array([field.edges()[1 - axis][line] + field.block_width / 2])
-        if _is_safe(lowered, body, axis, middle, min(room, 1)):
+        passed = driven_lanes(lowered, body, axis, middle)
+        if _is_safe(lowered, body, axis, passed, min(room, 1)):
             chosen = caps
             break
-        if chosen is None and straight_lane(lowered, body, axis, middle) is not None:
+        if chosen is None and len(passed):
             chosen = caps  # between other blocks, even a level lane may have less room than was asked for
     if chosen is None:
         high = f"{100 * field.frame_height:g} cm"
@@ -115,10 +114,9 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     return chosen if (field.levels > chosen).any() else None
 
 
-def _is_safe(field: StepField, body: Body, axis: int, middles: Array, room: float) -> bool:
-    """Return whether a robot drives one of the lanes at some places across, metres, with room to spare."""
-    passed = surely_passed(straight(field, body, axis, middles), field, body, axis, middles)
-    return bool(passed.any() and safely_passed(field, body, axis, middles[passed], room).any())
+def _is_safe(field: StepField, body: Body, axis: int, driven: Array, room: float) -> bool:
+    """Return whether one of the lanes that a robot drives, at some places across, metres, has room to spare."""
+    return bool(len(driven) and safely_passed(field, body, axis, driven, room).any())
 
 
 def _lowered_lanes(
@@ -304,8 +302,8 @@ def lane_cells(field: StepField, body: Body) -> Mask:
     """Return the cells of the straight lanes along x and y that a body drives, one more to each side, (n_x, n_y)."""
     lanes, aside = np.zeros(field.shape, bool), cells_to_each_side(field, body.width) + 1
     for axis in (0, 1):
-        middle = straight_lane(field, body, axis)
-        line = 0 if middle is None else int(middle / field.block_width + field.shape[1 - axis] / 2)
+        driven = driven_lanes(field, body, axis)
+        line = int(driven[0] / field.block_width + field.shape[1 - axis] / 2) if len(driven) else 0
         beside = slice(max(line - aside, 0), line + aside + 1)
         lanes[(slice(None), beside) if axis == 0 else (beside, slice(None))] = True
     return lanes

@@ -28,7 +28,7 @@ from rsegen.recipe.constraints.meeting import crossing_caps
 from rsegen.recipe.inventory_file import inventory_in
 from rsegen.robots.base import ROBOTS
 from rsegen.standing import kinds, ways
-from rsegen.standing.lanes import straight, straight_lane
+from rsegen.standing.lanes import driven_lanes, straight
 from tests.support.complaints import the_line
 from tests.support.long import long_unless
 from tests.support.strategies import fields, recipes
@@ -177,7 +177,7 @@ def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path, monkeypa
     field = rsegen.build(again)
     for name, axis in (("west_east", 0), ("south_north", 1)):
         assert told["crossable_by"][name]["crosses"]
-        assert straight_lane(field, ROBOTS["crawler"].body, axis) is not None
+        assert len(driven_lanes(field, ROBOTS["crawler"].body, axis))
     assert sum(told["inventory"]["used"].values()) <= 25
     assert again.crossable_by == "crawler"
 
@@ -312,8 +312,7 @@ def test_further_lanes_are_lowered_until_one_keeps_its_blocks() -> None:
     rough = recipe(seed=55500004, boundary="none", unit_cm=3, obstacles=(rsegen.Random(levels=5),))
     made = rsegen.build(replace(rough, crossable_by="jackal"))
     body = ROBOTS["jackal"].body
-    middle = straight_lane(made, body, 0)
-    assert middle is not None
+    middle = driven_lanes(made, body, 0)[0]
     y = made.edges()[1]
     under = (y[1:] > middle - body.width / 2) & (y[:-1] < middle + body.width / 2)
     assert (made.levels[:, under] > 0).mean() > 0.5
