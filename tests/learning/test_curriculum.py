@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -39,3 +41,27 @@ def test_torch_and_jax_agree_with_numpy(name: str) -> None:
 def test_rows_that_are_no_integers_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"rows: float64 of shape \(6,\); expected integers, one per robot"):
         next_rows(WALKED, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"walked": WALKED[:1]}, r"walked: of shape \(1,\) for 6 robots; expected one for each"),
+        ({"commanded": COMMANDED[:, None]}, r"commanded: of shape \(6, 1\) for 6 robots; expected one for each"),
+        ({"count": 0}, "count: 0 is not 1 or more"),
+        ({"length": np.nan}, "length: nan is not a finite number"),
+        ({"rng": 7}, "rng: 7 is no Generator of numpy"),
+    ],
+)
+def test_values_that_decide_no_row_are_refused(change: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {"walked": WALKED, "commanded": COMMANDED, "count": 10, "length": 8.0}
+    with pytest.raises(ParameterError, match=message):
+        next_rows(ROWS, **(given | {"rng": np.random.default_rng(1)} | change))
+
+
+def test_one_command_is_that_of_all_robots() -> None:
+    one, each = (
+        next_rows(ROWS, WALKED, commanded, count=10, length=8.0, rng=np.random.default_rng(1))
+        for commanded in (7.0, np.full(6, 7.0))
+    )
+    assert one.tolist() == each.tolist()

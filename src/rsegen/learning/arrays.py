@@ -26,7 +26,10 @@ def library_of(where: str, given: Any) -> tuple[Any, Any]:
     if _package(given) == "warp":
         given = given.numpy() if given.device.is_cpu else import_module("warp").to_torch(given)
     if isinstance(given, list | tuple | int | float):
-        given = np.asarray(given)
+        try:
+            given = np.asarray(given)
+        except ValueError:  # rows of several lengths
+            given = np.asarray(given, dtype=object)
     if _package(given) not in _LIBRARIES or str(given.dtype) == "object":
         raise ParameterError(where, f"{shown(given)} is not an array of numpy, torch, jax or Warp")
     return _library(_package(given)), given

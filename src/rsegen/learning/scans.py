@@ -22,8 +22,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.learning.arrays import library_of
-from rsegen.learning.ground import Ground, scan_points
+from rsegen.learning.arrays import array_like, library_of
+from rsegen.learning.ground import Ground, check_pattern, scan_points
 from rsegen.params.sorts import Float, Integer, validate
 
 
@@ -59,8 +59,7 @@ class ScanSensor:
     def __post_init__(self) -> None:
         validate(self)
         _, pattern = library_of("pattern", self.pattern)
-        if pattern.ndim != 2 or pattern.shape[1] != 2:
-            raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
+        check_pattern(pattern)
         object.__setattr__(self, "pattern", pattern)
 
     def start(self, ground: Ground, poses: Any, worlds: Any = None) -> ScanState:
@@ -70,13 +69,17 @@ class ScanSensor:
         """
         poses = ground.own("poses", poses, 4)
         scan = ground.scan(self.pattern, poses, worlds)
-        return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0 * poses[..., :3])
+        return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0.0 * poses[..., :3])
 
     def restart(self, state: ScanState, is_new: Any, fresh: ScanState) -> ScanState:
         """Return the state in which robots that `is_new` (...,) says have that of `fresh`, and the others their own."""
-        library, mask = library_of("is_new", is_new)
+        library, scans = library_of("state", state.scans)
+        mask = array_like(scans, library_of("is_new", is_new)[1])
+        if tuple(mask.shape) != tuple(state.drift.shape[:-1]):
+            given = f"of shape {tuple(mask.shape)}; expected {tuple(state.drift.shape[:-1])}, one for each robot"
+            raise ParameterError("is_new", given)
         pairs = zip(state, fresh, strict=True)
-        return ScanState(*(library.where(mask[..., None], new, old) for old, new in pairs))
+        return ScanState(*(library.where(mask[..., None] != 0, new, old) for old, new in pairs))
 
     def sense(
         self, ground: Ground, poses: Any, state: ScanState, random: Any, worlds: Any = None
@@ -86,6 +89,10 @@ class ScanSensor:
         random: a Generator of numpy or torch, None for torch's own, or a key of jax, which is another one at each call.
         """
         poses, library = ground.own("poses", poses, 4), ground.library
+        if len(state.scans) != self.delay + 1:
+            raise ParameterError(
+                "state", f"of {len(state.scans)} scans for a delay of {self.delay}; use that of `start`"
+            )
         draws = _draws(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
         moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:4]], -1)
@@ -102,8 +109,10 @@ class ScanSensor:
 
 def _draws(random: Any, library: Any) -> Iterator[Callable[[str, Any], Any]]:
     """Yield functions of a distribution and an array, which give random numbers of its shape, type and device."""
-    if library is np and not isinstance(random, np.random.Generator):
-        raise ParameterError("random", f"{shown(random)} is no Generator of numpy, and the ground is of numpy")
+    if not _is_of(random, library):
+        name = library.__name__.partition(".")[0]
+        wanted = "key" if name == "jax" else "Generator"
+        raise ParameterError("random", f"{shown(random)} is no {wanted} of {name}, and the ground is of {name}")
     while True:
         if library is np:
             yield partial(_of_numpy, random)
@@ -112,6 +121,15 @@ def _draws(random: Any, library: Any) -> Iterator[Callable[[str, Any], Any]]:
         else:
             random, own = import_module("jax.random").split(random)
             yield partial(_of_jax, own)
+
+
+def _is_of(random: Any, library: Any) -> bool:
+    """Return whether a library can draw from this."""
+    if library is np:
+        return isinstance(random, np.random.Generator)
+    if hasattr(library, "Generator"):
+        return random is None or isinstance(random, library.Generator)
+    return hasattr(random, "dtype")  # a key may be a new one of jax, or an array
 
 
 def _of_numpy(random: np.random.Generator, name: str, like: Any) -> Any:
