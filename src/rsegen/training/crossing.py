@@ -28,6 +28,7 @@ from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.params.sorts import Float
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.scene.scene import compose
@@ -53,6 +54,8 @@ _HEADING = 0.35
 _ARRIVED, _FELL, _CLOCK, _STEERED = 5.0, -2.0, -0.01, -0.02
 """Rewards, in metres of way: for getting across, for tipping over or leaving the lane, for each period, and for each
 radian between the robot's heading and east."""
+
+_SECONDS, _FLIPPER_SPEED = Float(STEP, 1e6, unit="s"), Float(0, 1000, unit="rad/s")
 
 
 class Flipper(NamedTuple):
@@ -91,6 +94,8 @@ class Crossing:
     def __post_init__(self) -> None:
         if not self.recipe.is_of_one_friction:
             raise ParameterError("level_friction", "robots of rsegen cross fields of one friction; set only `friction`")
+        _SECONDS.check("seconds", self.seconds)
+        _FLIPPER_SPEED.check("flipper_speed", self.flipper_speed)
         if not STEP <= self.period <= self.seconds:
             raise ParameterError("period", f"{self.period} s; use {STEP} s or more, and up to `seconds`")
 
