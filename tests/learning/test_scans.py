@@ -146,7 +146,7 @@ def test_torch_gives_the_same_errors_on_the_device_of_the_ground() -> None:
     for mask in (np.arange(WORLDS) < 3, [robot < 3 for robot in range(WORLDS)]):  # as environments give it
         same = ALL.restart(state, mask, ALL.start(ground, poses))
         assert all(torch.equal(*pair) for pair in zip(same, after, strict=True))
-    with pytest.raises(ParameterError, match="random: 3 is no Generator of torch, and the ground is of torch"):
+    with pytest.raises(ParameterError, match="random: 3 is no Generator of torch, and the arrays are of torch"):
         sensor.sense(ground, poses, state, 3)
 
 
@@ -171,7 +171,7 @@ def test_jax_compiles_a_sensor_once() -> None:
     assert isinstance(after.scans, jax.Array)
     assert not np.asarray(after.drift)[:3].any()
     assert np.array_equal(after.drift[3:], state.drift[3:])
-    with pytest.raises(ParameterError, match="random: an empty value is no key of jax, and the ground is of jax"):
+    with pytest.raises(ParameterError, match="random: an empty value is no key of jax, and the arrays are of jax"):
         ALL.sense(ground, poses, state, None)
 
 
@@ -183,7 +183,7 @@ def test_what_no_sensor_has_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"pattern: of shape \(3,\); expected \(points, 2\)"):
         ScanSensor(pattern=np.zeros(3))
     sensor = ScanSensor(noise=0.1)
-    with pytest.raises(ParameterError, match="random: 3 is no Generator of numpy, and the ground is of numpy"):
+    with pytest.raises(ParameterError, match="random: 3 is no Generator of numpy, and the arrays are of numpy"):
         sensor.sense(GROUND, POSES, sensor.start(GROUND, POSES), 3)
     with pytest.raises(ParameterError, match=r"poses: of shape \(40, 3\); expected \(..., 4\)"):
         sensor.start(GROUND, POSES[:, :3])

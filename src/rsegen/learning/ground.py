@@ -31,7 +31,16 @@ import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.arrays import array_like, as_type, class_of, extremes, library_of, with_values
+from rsegen.learning.arrays import (
+    array_like,
+    as_type,
+    class_of,
+    draws_of,
+    extremes,
+    is_traced,
+    library_of,
+    with_values,
+)
 from rsegen.params.sorts import Float, Integer, ListOf, as_int
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT
@@ -493,7 +502,7 @@ def unframed(levels: Ints, block_width: float, unit: float) -> StepField:
     return StepField(levels=levels.astype(np.int16), frame=frame, block_width=block_width, unit=unit, frame_height=0.0)
 
 
-def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: np.random.Generator) -> Any:
+def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: Any) -> Any:
     """Return the next row of each robot in a terrain whose rows get harder.
 
     Up one row beyond half of a tile; else down one, if less than half of the commanded distance was walked. A robot
@@ -511,8 +520,8 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
         Number of rows.
     length : float
         Length of a tile, metres.
-    rng : numpy.random.Generator
-        Draws rows.
+    rng : numpy.random.Generator, torch.Generator or key of jax
+        Draws rows; in a function that jax compiles a key, as numbers of numpy would be drawn only once.
 
     Returns
     -------
@@ -523,14 +532,11 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     if "int" not in str(own.dtype) or own.ndim != 1:
         raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; expected integers, one per robot")
     count, length = _COUNT.check("count", count), _LENGTH.check("length", length)
-    if not isinstance(rng, np.random.Generator):
-        raise ParameterError("rng", f"{shown(rng)} is no Generator of numpy")
     walked, commanded = (_of_robots(own, name, given) for name, given in (("walked", walked), ("commanded", commanded)))
     up = walked > length / 2
     down = ~up & (walked < commanded / 2)
     after = own + array_like(own, up, own.dtype) - array_like(own, down, own.dtype)
-    random = array_like(own, np.floor(rng.random(len(own)) * count), own.dtype)
-    return library.where(after >= count, random, library.clip(after, 0, None))
+    return library.where(after >= count, _drawn_rows(rng, own, count), library.clip(after, 0, None))
 
 
 def _of_robots(rows: Any, where: str, values: Any) -> Any:
@@ -539,3 +545,13 @@ def _of_robots(rows: Any, where: str, values: Any) -> Any:
     if tuple(own.shape) not in {(), tuple(rows.shape)}:
         raise ParameterError(where, f"of shape {tuple(own.shape)} for {len(rows)} robots; expected one for each")
     return own
+
+
+def _drawn_rows(rng: Any, rows: Any, count: int) -> Any:
+    """Return a random one of `count` rows for each robot, in an array like that of their rows."""
+    if not isinstance(rng, np.random.Generator):
+        library, _ = library_of("rows", rows)
+        return as_type(library.floor(next(draws_of(rng, library, "rng"))("uniform", rows * 0.0) * count), rows.dtype)
+    if is_traced(rows):
+        raise ParameterError("rng", "a Generator of numpy draws only once in what jax compiles; use a key of jax")
+    return array_like(rows, np.floor(rng.random(len(rows)) * count), rows.dtype)

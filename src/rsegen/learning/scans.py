@@ -13,16 +13,11 @@ Random numbers come from a Generator of numpy or torch, or from a key of jax, ea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
-from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-
-from rsegen.errors import ParameterError, shown
-from rsegen.learning.arrays import array_like, library_of
+from rsegen.errors import ParameterError
+from rsegen.learning.arrays import array_like, draws_of, library_of
 from rsegen.learning.ground import Ground, check_pattern, scan_points
 from rsegen.params.sorts import Float, Integer, validate
 
@@ -93,7 +88,7 @@ class ScanSensor:
             raise ParameterError(
                 "state", f"of {len(state.scans)} scans for a delay of {self.delay}; use that of `start`"
             )
-        draws = _draws(random, library)
+        draws = draws_of(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
         moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:4]], -1)
         scan = ground.scan(self.pattern, moved, worlds)
@@ -105,42 +100,3 @@ class ScanSensor:
             scan = library.where(next(draws)("uniform", scan) < self.dropout, self.lost, scan)
         scans = library.concatenate([scan[None], state.scans[:-1]], 0)
         return scans[self.delay], ScanState(scans, drift)
-
-
-def _draws(random: Any, library: Any) -> Iterator[Callable[[str, Any], Any]]:
-    """Yield functions of a distribution and an array, which give random numbers of its shape, type and device."""
-    if not _is_of(random, library):
-        name = library.__name__.partition(".")[0]
-        wanted = "key" if name == "jax" else "Generator"
-        raise ParameterError("random", f"{shown(random)} is no {wanted} of {name}, and the ground is of {name}")
-    while True:
-        if library is np:
-            yield partial(_of_numpy, random)
-        elif hasattr(library, "Generator"):
-            yield partial(_of_torch, random, library)
-        else:
-            random, own = import_module("jax.random").split(random)
-            yield partial(_of_jax, own)
-
-
-def _is_of(random: Any, library: Any) -> bool:
-    """Return whether a library can draw from this."""
-    if library is np:
-        return isinstance(random, np.random.Generator)
-    if hasattr(library, "Generator"):
-        return random is None or isinstance(random, library.Generator)
-    return hasattr(random, "dtype")  # a key may be a new one of jax, or an array
-
-
-def _of_numpy(random: np.random.Generator, name: str, like: Any) -> Any:
-    drawn = random.standard_normal(like.shape) if name == "normal" else random.random(like.shape)
-    return drawn.astype(like.dtype)
-
-
-def _of_torch(random: Any, torch: Any, name: str, like: Any) -> Any:
-    draw = torch.randn if name == "normal" else torch.rand
-    return draw(like.shape, generator=random, dtype=like.dtype, device=like.device)
-
-
-def _of_jax(key: Any, name: str, like: Any) -> Any:
-    return getattr(import_module("jax.random"), name)(key, like.shape, like.dtype)
