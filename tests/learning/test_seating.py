@@ -229,6 +229,8 @@ def test_what_does_not_fit_is_refused() -> None:
     model = _model(CART, grid)
     with pytest.raises(ParameterError, match=r"qpos: of shape \(5,\); expected \(robots, 5\)"):
         seat_many(model, model.qpos0, grid.ground(LEVELS[0]))
+    with pytest.raises(ParameterError, match=r"seconds: nan is not a finite number"):
+        seat_many(model, model.qpos0[None], grid.ground(LEVELS[0]), seconds=np.nan)
     with pytest.raises(ParameterError, match=r"qpos\[1, 2\]: nan is not a finite number"):
         seat_many(model, np.where(np.arange(10).reshape(2, 5) == 7, np.nan, 0), grid.ground(LEVELS[0]))
     with pytest.raises(ParameterError, match="ground: 1 robots on the ground of 12 worlds; use as many of both"):

@@ -25,6 +25,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid, Root, geom_bounds, roots_of
+from rsegen.params.sorts import Float
 
 CLEARANCE = 1e-3
 """Metres that stay free below a robot that is put on the ground."""
@@ -49,6 +50,8 @@ _HELD = 1e6
 
 _BOUNDS = ("geom_rbound", "geom_aabb", "bvh_aabb")
 """Arrays of a model that say where geoms may touch, which `mj_setConst` computes anew (4.0)."""
+
+_SECONDS = Float(0, 1e6, unit="s")
 
 
 def seat(model: Any, data: Any, ground: Ground, *, seconds: float = 0.0) -> bool:
@@ -101,7 +104,7 @@ def seat_many(
     rests : ndarray of bool, shape (robots,)
         Whether a robot came to rest.
     """
-    given = np.array(qpos, dtype=float)
+    given, seconds = np.array(qpos, dtype=float), _SECONDS.check("seconds", seconds)
     if given.ndim != 2 or given.shape[1] != model.nq:
         raise ParameterError("qpos", f"of shape {given.shape}; expected (robots, {model.nq})")
     if not np.isfinite(given).all():
