@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -39,3 +41,56 @@ def test_torch_and_jax_agree_with_numpy(name: str) -> None:
 def test_rows_that_are_no_integers_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"rows: float64 of shape \(6,\); expected integers, one per robot"):
         next_rows(WALKED, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"walked": WALKED[:1]}, r"walked: of shape \(1,\) for 6 robots; expected one for each"),
+        ({"commanded": COMMANDED[:, None]}, r"commanded: of shape \(6, 1\) for 6 robots; expected one for each"),
+        ({"count": 0}, "count: 0 is not 1 or more"),
+        ({"length": np.nan}, "length: nan is not a finite number"),
+        ({"rng": 7}, "rng: 7 is no Generator of numpy, and the arrays are of numpy"),
+    ],
+)
+def test_values_that_decide_no_row_are_refused(change: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {"walked": WALKED, "commanded": COMMANDED, "count": 10, "length": 8.0}
+    with pytest.raises(ParameterError, match=message):
+        next_rows(ROWS, **(given | {"rng": np.random.default_rng(1)} | change))
+
+
+def test_one_command_is_that_of_all_robots() -> None:
+    one, each = (
+        next_rows(ROWS, WALKED, commanded, count=10, length=8.0, rng=np.random.default_rng(1))
+        for commanded in (7.0, np.full(6, 7.0))
+    )
+    assert one.tolist() == each.tolist()
+
+
+@pytest.mark.slow
+def test_torch_draws_rows_by_its_own_generator() -> None:
+    torch = pytest.importorskip("torch", reason="torch is not installed")
+    last, far = torch.full((5000,), 9), torch.full((5000,), 5.0)
+    after, again = (
+        next_rows(last, far, far, count=10, length=8.0, rng=torch.Generator().manual_seed(3)) for _ in range(2)
+    )
+    assert after.dtype == torch.int64
+    assert np.bincount(after.numpy(), minlength=10) == pytest.approx(np.full(10, 500), abs=90)
+    assert torch.equal(after, again)
+
+
+@pytest.mark.slow
+def test_jax_draws_other_rows_by_each_key_in_a_compiled_function() -> None:
+    jax = pytest.importorskip("jax", reason="jax is not installed")
+    last, far = jax.numpy.full(5000, 9), jax.numpy.full(5000, 5.0)
+
+    def drawn(rows: Any, rng: Any) -> Any:
+        return next_rows(rows, far, far, count=10, length=8.0, rng=rng)
+
+    compiled = jax.jit(drawn)
+    first, second = (np.asarray(compiled(last, key)) for key in jax.random.split(jax.random.key(3)))
+    for after in (first, second):
+        assert np.bincount(after, minlength=10) == pytest.approx(np.full(10, 500), abs=90)
+    assert (first == second).mean() < 0.2
+    with pytest.raises(ParameterError, match="rng: a Generator of numpy draws only once in what jax compiles"):
+        jax.jit(lambda rows: drawn(rows, np.random.default_rng(1)))(last)

@@ -255,6 +255,22 @@ def test_arrays_of_warp_are_viewed() -> None:
         (lambda: GROUND.normals(np.zeros((5, 2)), 0), "radius: 0 m; use one above 0"),
         (lambda: GROUND.spots((2, 0.3)), "size: 2 x 0.3 m is larger than the map of 6 x 12 blocks"),
         (lambda: GROUND.spots((0.3, 0.3), 41), "count: 41 is outside 1..40"),
+        (lambda: GROUND.spots((0.3, 0.3), 0), "count: 0 is not 1 or more"),
+        (lambda: GROUND.spots((0.3,)), r"size: \(0.3,\) is not 2 values, each 0..1000 m"),
+        (lambda: GROUND.spots(np.array([-0.3, 0.3])), r"size\[0\]: -0.3 is outside 0..1000 m"),
+        (lambda: Ground(RECIPE, LEVELS, (1, 2)), r"pos: \(1, 2\) is not x, y and z in metres"),
+        (lambda: Ground(RECIPE, LEVELS, (1, 2, np.inf)), r"pos: \(1, 2, inf\) is not x, y and z in metres"),
+        (lambda: Ground(RECIPE, LEVELS, outside=1.5), "outside: level 1.5 is outside 0..5"),  # type: ignore[arg-type]
+        (lambda: Ground(RECIPE, [[1, 2], [3]]), "levels: .* is not an array of numpy, torch, jax or Warp"),
+        (lambda: GROUND.highest(np.zeros((5, 2)), -0.1), "radius: -0.1 m; use 0 or more"),
+        (lambda: GROUND.highest(np.zeros((5, 2)), np.nan), "radius: nan m; use 0 or more"),
+        (lambda: GROUND.highest(np.zeros((5, 2)), np.array([0.1, np.inf])), "radius: inf m; use 0 or more"),
+        (lambda: GROUND.scan([0.1, 0.2], np.zeros((5, 4))), r"pattern: of shape \(2,\); expected \(points, 2\)"),
+        (lambda: GROUND.lift(np.zeros((5, 0, 3))), r"points: of shape \(5, 0, 3\); expected \(..., points, 3\)"),
+        (lambda: GROUND.lift([0.0, 0.0, 1.0]), r"points: of shape \(3,\); expected \(..., points, 3\), one at"),
+        (lambda: GROUND.field(5), "world: 5 is outside 0..4"),
+        (lambda: scan_points((1, 1), 0), "distance: 0 is outside 0.001..1000 m"),
+        (lambda: scan_points((-1, 1)), r"size\[0\]: -1 is outside 0..1000 m"),
     ],
 )
 def test_impossible_values_are_refused(ask: Any, message: str) -> None:

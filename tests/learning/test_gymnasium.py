@@ -165,8 +165,20 @@ def test_maps_that_are_made_ahead_are_those_of_the_recipe() -> None:
     assert set(indices) == {6, 7, 8, 9}
 
 
+def test_an_environment_is_made_again_by_what_made_it(tmp_path: Path) -> None:
+    env = NewFieldAtReset(_made("Hopper-v5", "hopper.xml", GRID, tmp_path), GRID)
+    again = gymnasium.make(env.spec)
+    assert again.unwrapped is not env.unwrapped
+    for seed in (5, None, None):
+        (seen, info), (same, other) = env.reset(seed=seed), again.reset(seed=seed)
+        assert info["map"] == other["map"]
+        assert np.array_equal(seen, same)
+
+
 def test_what_is_no_model_with_the_blocks_is_refused() -> None:
     with pytest.raises(UserError, match=r"has no geom block_0_0; add the blocks by grid\.add_to"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), GRID)
+    with pytest.raises(UserError, match="has no model of MuJoCo; use one of Gymnasium's MujocoEnv"):
+        NewFieldAtReset(gymnasium.make("CartPole-v1"), GRID)
     with pytest.raises(ParameterError, match=r"grid: a list; expected the BlockGrid of rsegen\.learning\.mujoco"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), [GRID])  # type: ignore[arg-type]

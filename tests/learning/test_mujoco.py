@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,6 +78,47 @@ def test_a_ball_rests_on_the_blocks_written_last() -> None:
         assert state.qpos[2] == pytest.approx(0.5 + level * 0.05 + RADIUS, abs=0.001)
 
 
+@pytest.mark.parametrize("compiler", ["", '<compiler fusestatic="true"/>'])
+def test_blocks_touch_after_constants_were_computed_on_a_lower_map(compiler: str) -> None:
+    """MuJoCo 4.0 then looks for contacts no higher than that map, and training draws masses at each reset."""
+    body = '<body pos="3 3 3"><geom size="0.1"/><geom size="0.1" pos="0.3 0 0"/></body>'
+    grid = adapter.BlockGrid(RECIPE, pos=(0.5, 0, 0.2))
+    spec = mujoco.MjSpec.from_string(f"<mujoco>{compiler}<worldbody>{body}</worldbody></mujoco>")
+    grid.add_to(spec)
+    model, state = _with_ball(spec)
+    levels = rsegen.build_many(RECIPE, [0])[0]
+    low = np.zeros(grid.shape, dtype=int)
+    expected, found = list[Any](), list[Any]()
+    for contacts in (expected, found):
+        grid.write(model, levels)
+        for i, j in np.ndindex(*levels.shape):
+            x, y, top = 0.5 + (i - 2.5) * 0.1, (j - 5.5) * 0.1, 0.2 + levels[i, j] * 0.05
+            contacts.append([_contacts(model, state, x, y, top + RADIUS - depth) for depth in (0.001, 0.05)])
+        grid.write(model, low)
+        mujoco.mj_setConst(model, state)
+    assert all(touching for pair in expected for touching in pair)
+    assert found == expected
+
+
+@pytest.mark.parametrize("fused", ["true", "false"])
+def test_blocks_are_where_the_ground_is_if_the_compiler_fuses_static_bodies(fused: str) -> None:
+    """As it does for URDF: by rays on each block."""
+    grid = adapter.BlockGrid(RECIPE, pos=(1, 2, 0.5))
+    spec = mujoco.MjSpec.from_string(f'<mujoco><compiler fusestatic="{fused}"/></mujoco>')
+    grid.add_to(spec)
+    model, state = _with_ball(spec)
+    assert model.nbody == (2 if fused == "true" else 3)
+    for levels in rsegen.build_many(RECIPE, range(3)):
+        grid.write(model, levels)
+        state.qpos[:3] = 0, 0, -9
+        mujoco.mj_forward(model, state)
+        ground = grid.ground(levels)
+        for i, j in np.ndindex(*levels.shape):
+            x, y = 1 + (i - 2.5) * 0.1, 2 + (j - 5.5) * 0.1
+            assert 2 - _ray(model, state, x, y) == pytest.approx(ground.heights([x, y]), abs=1e-9)
+            assert ground.heights([x, y]) == pytest.approx(0.5 + levels[i, j] * 0.05)
+
+
 def test_arrays_of_many_maps_equal_the_arrays_of_each_map() -> None:
     grid, many = adapter.BlockGrid(RECIPE), rsegen.build_many(RECIPE, range(3))
     for array in (grid.pos, grid.size, grid.rgba, grid.friction):
@@ -99,6 +142,35 @@ def test_values_that_a_grid_cannot_hold_are_refused() -> None:
         adapter.BlockGrid(RECIPE).pos(np.zeros((3, 3), dtype=int))
     with pytest.raises(ParameterError, match=r"levels: 6..6 are not all in 0..5, the levels of the recipe"):
         adapter.BlockGrid(RECIPE).pos(np.full((6, 12), 6))
+    with pytest.raises(ParameterError, match=r"pos: \(1, 2\) is not x, y and z in metres"):
+        adapter.BlockGrid(RECIPE, pos=(1, 2))
+    with pytest.raises(ParameterError, match=r"pos: \(nan, 0, 0\) is not x, y and z in metres"):
+        adapter.BlockGrid(RECIPE, pos=(np.nan, 0, 0))
+
+
+def test_what_is_not_written_leaves_the_model_as_it_was() -> None:
+    grid, spec = adapter.BlockGrid(RECIPE), mujoco.MjSpec()
+    grid.add_to(spec)
+    model, _ = _with_ball(spec)
+    levels = rsegen.build_many(RECIPE, range(2))
+    grid.write(model, levels[0])
+    names = ("geom_pos", "geom_size", "geom_rgba", "geom_friction")
+    before = {name: getattr(model, name).copy() for name in names}
+    smaller, larger = (adapter.BlockGrid(replace(RECIPE, chunk_size=size)) for size in (4, 8))
+    other = adapter.BlockGrid(RECIPE, name="other")
+    refused: list[tuple[Callable[[], None], str]] = [
+        (lambda: grid.write(model, levels[1] * 1.0), "levels: of float64; expected integers, in units"),
+        (lambda: grid.write(model, levels[1] * np.nan), "levels: of float64; expected integers, in units"),
+        (lambda: grid.write(model, levels), r"levels: of shape \(2, 6, 12\); expected \(6, 12\), as a model has one"),
+        (lambda: grid.write(model, levels[1] + 5), r"levels: 5..10 are not all in 0..5"),
+        (lambda: smaller.write(model, smaller.highest), "model: has no geom block_3_7 where this grid has its last"),
+        (lambda: larger.write(model, larger.highest), "model: has no geom block_7_15 where this grid has its last"),
+        (lambda: other.write(model, levels[1]), r"model: has no geom other_0_0; add the blocks by grid\.add_to"),
+    ]
+    for write, message in refused:
+        with pytest.raises(ParameterError, match=message):
+            write()
+    assert all(np.array_equal(getattr(model, name), values) for name, values in before.items())
 
 
 def test_rays_find_every_block_and_hole_of_a_deck() -> None:

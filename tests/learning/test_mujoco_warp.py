@@ -36,10 +36,10 @@ WORLDS = 32
 RADIUS = 0.03
 
 
-@pytest.fixture
-def compiled() -> Any:
-    """A model of the blocks and a free ball of less friction than theirs."""
-    spec = mujoco.MjSpec()
+@pytest.fixture(params=["false", "true"], ids=["", "fused"])
+def compiled(request: pytest.FixtureRequest) -> Any:
+    """A model of the blocks and a free ball of less friction than theirs; of URDF static bodies are fused."""
+    spec = mujoco.MjSpec.from_string(f'<mujoco><compiler fusestatic="{request.param}"/></mujoco>')
     GRID.add_to(spec)
     body = spec.worldbody.add_body(name="ball", pos=[1.05, 2.05, 2])
     body.add_freejoint()
@@ -112,6 +112,21 @@ def test_the_ground_follows_the_blocks(compiled: Any, worlds: Any) -> None:
     bottoms = np.array(poses)[:, None, :3] - (0, 0, RADIUS - 0.001)
     assert blocks.ground.heights(bottoms)[:, 0] == pytest.approx(bottoms[:, 0, 2])
     assert blocks.ground.lift(bottoms) == pytest.approx(0, abs=1e-9)
+
+
+def test_tensors_are_written_as_arrays_are(worlds: Any) -> None:
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
+    model, data, blocks = worlds
+    arrays = [model.geom_pos, data.geom_xpos, model.geom_size, model.geom_rgba, model.geom_friction]
+    levels = rsegen.build_many(RECIPE, range(WORLDS))
+    blocks.write(levels)
+    expected = [array.numpy().copy() for array in arrays]
+    assert np.allclose(expected[0][:, :32], GRID.pos(levels), atol=1e-6)
+    blocks.write(levels[::-1].copy())
+    assert not np.allclose(arrays[0].numpy(), expected[0], atol=1e-6)
+    blocks.write(torch.as_tensor(levels), torch.arange(WORLDS))
+    for array, values in zip(arrays, expected, strict=True):
+        assert np.allclose(array.numpy(), values, atol=1e-6)
 
 
 def test_colours_match_the_levels(worlds: Any) -> None:

@@ -96,8 +96,8 @@ def _contacts(file: Path) -> tuple[int, float, set[int], set[float]]:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     roots = roots_of(model)
-    for joint, geoms in roots:
-        data.qpos[joint] += TOP + 0.02 - geom_bounds(model, data, geoms)[0][:, 2].min()
+    for root in roots:
+        data.qpos[root.at] += TOP + 0.02 - geom_bounds(model, data, root.geoms)[0][:, 2].min()
     first = model.geom(grid.names[0]).id
     count = 0
     sizes: set[int] = set()
@@ -109,7 +109,7 @@ def _contacts(file: Path) -> tuple[int, float, set[int], set[float]]:
         count, sizes = count + int(own.sum()), sizes | set(np.unique(contact.dim[own]).tolist())
         frictions |= set(np.unique(np.round(contact.friction[own, :2], 9)).tolist())
     mujoco.mj_kinematics(model, data)
-    lowest = min((geom_bounds(model, data, geoms)[0][:, 2].min() for _, geoms in roots), default=np.nan)
+    lowest = min((geom_bounds(model, data, root.geoms)[0][:, 2].min() for root in roots), default=np.nan)
     return count, float(lowest), sizes, frictions
 
 
@@ -345,6 +345,12 @@ def test_each_tile_of_a_terrain_has_the_friction_of_its_recipe() -> None:
         assert ground.friction([1 + x, 2 + y]) == pytest.approx(expected)
         found.add((kind, expected))
     assert len(found) == 4
+    of_feet = terrain.ground((1, 2, 0.3), priority=-1)
+    assert of_feet.acting_friction([1.0, 2.0], 0.4) == pytest.approx(0.4)
+    assert ground.acting_friction([1.0, 2.0], 0.4) == ground.friction([1.0, 2.0])
+    scene = rsegen.compose(ice)
+    assert rsegen.Ground.of(scene, priority=-1).acting_friction([0.0, 0.0], 0.4) == pytest.approx(0.4)
+    assert rsegen.Ground.of(scene).acting_friction([0.0, 0.0], 0.4) == pytest.approx(0.1)
     assert terrain.spots((0.3, 0.3)).shape == (3, 4, 1, 4)
     with pytest.raises(ParameterError, match=r"^recipes\[1\]\.friction: 0\.6"):
         assert terrain.recipe

@@ -89,6 +89,18 @@ def test_a_map_drifts_farther_and_farther_and_as_a_whole() -> None:
     assert np.array_equal(seen, GROUND.scan(PATTERN, moved))
 
 
+def test_places_of_whole_numbers_drift_by_the_same_as_others() -> None:
+    sensor = ScanSensor(pattern=PATTERN, drift=0.01)
+    drifts = []
+    for poses in (np.zeros((WORLDS, 4), dtype=int), np.zeros((WORLDS, 4))):
+        state, rng = sensor.start(GROUND, poses), np.random.default_rng(0)
+        for _ in range(20):
+            _, state = sensor.sense(GROUND, poses, state, rng)
+        drifts.append(state.drift)
+    assert np.array_equal(*drifts)
+    assert 0.02 < drifts[0].std() < 0.07
+
+
 def test_robots_that_begin_anew_forget_what_was() -> None:
     sensor, rng = ScanSensor(pattern=PATTERN, delay=2, drift=0.05), np.random.default_rng(0)
     state = sensor.start(GROUND, POSES)
@@ -131,6 +143,11 @@ def test_torch_gives_the_same_errors_on_the_device_of_the_ground() -> None:
     after = ALL.restart(state, torch.as_tensor(np.arange(WORLDS) < 3), ALL.start(ground, poses))
     assert not after.drift[:3].any()
     assert torch.equal(after.drift[3:], state.drift[3:])
+    for mask in (np.arange(WORLDS) < 3, [robot < 3 for robot in range(WORLDS)]):  # as environments give it
+        same = ALL.restart(state, mask, ALL.start(ground, poses))
+        assert all(torch.equal(*pair) for pair in zip(same, after, strict=True))
+    with pytest.raises(ParameterError, match="random: 3 is no Generator of torch, and the arrays are of torch"):
+        sensor.sense(ground, poses, state, 3)
 
 
 @pytest.mark.slow
@@ -150,6 +167,12 @@ def test_jax_compiles_a_sensor_once() -> None:
         seen.append(own)
     assert len(traces) == 1
     _check_all(seen)
+    after = ALL.restart(state, np.arange(WORLDS) < 3, ALL.start(ground, poses))
+    assert isinstance(after.scans, jax.Array)
+    assert not np.asarray(after.drift)[:3].any()
+    assert np.array_equal(after.drift[3:], state.drift[3:])
+    with pytest.raises(ParameterError, match="random: an empty value is no key of jax, and the arrays are of jax"):
+        ALL.sense(ground, poses, state, None)
 
 
 def test_what_no_sensor_has_is_refused() -> None:
@@ -160,7 +183,12 @@ def test_what_no_sensor_has_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"pattern: of shape \(3,\); expected \(points, 2\)"):
         ScanSensor(pattern=np.zeros(3))
     sensor = ScanSensor(noise=0.1)
-    with pytest.raises(ParameterError, match="random: 3 is no Generator of numpy, and the ground is of numpy"):
+    with pytest.raises(ParameterError, match="random: 3 is no Generator of numpy, and the arrays are of numpy"):
         sensor.sense(GROUND, POSES, sensor.start(GROUND, POSES), 3)
     with pytest.raises(ParameterError, match=r"poses: of shape \(40, 3\); expected \(..., 4\)"):
         sensor.start(GROUND, POSES[:, :3])
+    with pytest.raises(ParameterError, match="state: of 1 scans for a delay of 2; use that of `start`"):
+        replace(sensor, delay=2).sense(GROUND, POSES, sensor.start(GROUND, POSES), np.random.default_rng(0))
+    state = sensor.start(GROUND, POSES)
+    with pytest.raises(ParameterError, match=r"is_new: of shape \(3,\); expected \(40,\), one for each robot"):
+        sensor.restart(state, [True, False, True], state)

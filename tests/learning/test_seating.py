@@ -130,6 +130,73 @@ def test_robots_that_are_dropped_rest_and_keep_their_joints() -> None:
         assert rested[world, 2] < placed[world, 2] + 1e-3
 
 
+BOX = '<geom type="box" size="0.09 0.09 0.05"/>'
+SLIDES = {
+    "down": (-1, f'<body><joint type="slide" axis="0 0 -1"/>{BOX}</body>'),
+    "along y of a body that is turned": (
+        1,
+        '<body euler="90 0 0"><joint type="slide" axis="0 1 0"/><geom type="box" size="0.09 0.05 0.09"/></body>',
+    ),
+    "on a body that slides aside": (
+        1,
+        f"""<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint type="slide" axis="1 0 0"/>
+        <body><joint type="slide" axis="0 0 1"/>{BOX}</body></body>""",
+    ),
+    "on a body that turns about z": (
+        1,
+        f"""<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint type="hinge"/>
+        <body><joint type="slide" axis="0 0 1" ref="0.7"/>{BOX}</body></body>""",
+    ),
+}
+
+
+@pytest.mark.parametrize(("upwards", "robot"), SLIDES.values(), ids=SLIDES.keys())
+def test_whatever_slides_along_the_z_of_the_world_is_put_on_the_blocks(upwards: int, robot: str) -> None:
+    grid = BlockGrid(RECIPE, pos=(0.1, 0, 0.4))
+    model = _model(f"<mujoco><worldbody>{robot}</worldbody></mujoco>", grid)
+    for levels in LEVELS[:4]:
+        grid.write(model, levels)
+        data, ground = mujoco.MjData(model), grid.ground(levels)
+        seat(model, data, ground)
+        bottom = data.geom_xpos[0, 2] - 0.05
+        assert bottom == pytest.approx(ground.highest([0.0, 0.0], 0.09) + CLEARANCE, abs=2e-4)
+        assert data.qpos[-1] - model.qpos0[-1] == pytest.approx(upwards * (bottom + 0.05))
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        f'<body euler="90 0 0"><joint type="slide" axis="0 0 1"/>{BOX}</body>',  # along the y of the world
+        f'<body>{BOX}<body><joint type="slide" axis="0 0 1"/>{BOX}</body></body>',  # a lift of what stands
+        f'<body><joint axis="1 0 0"/>{BOX}<body><joint type="slide" axis="0 0 1"/>{BOX}</body></body>',
+    ],
+    ids=["aside", "lift", "tilting"],
+)
+def test_what_does_not_raise_the_whole_robot_stays_as_it_is(robot: str) -> None:
+    grid = BlockGrid(RECIPE, pos=(0, 0, 0.4))
+    model = _model(f"<mujoco><worldbody>{robot}</worldbody></mujoco>", grid)
+    grid.write(model, LEVELS[0])
+    data = mujoco.MjData(model)
+    seat(model, data, grid.ground(LEVELS[0]))
+    assert np.array_equal(data.qpos, model.qpos0)
+
+
+def test_a_mesh_is_put_as_near_to_the_blocks_as_its_vertices_let_it() -> None:
+    """The box around this tetrahedron is tilted, as its principal axes are, and reaches far below it."""
+    asset = '<asset><mesh name="corner" vertex="0 0 0 0.2 0 0 0 0.2 0 0 0 0.2"/></asset>'
+    robot = '<body pos="0 0 1"><freejoint/><geom type="mesh" mesh="corner"/></body>'
+    grid = BlockGrid(RECIPE)
+    model = _model(f"<mujoco>{asset}<worldbody>{robot}</worldbody></mujoco>", grid)
+    rng = np.random.default_rng(0)
+    for levels in LEVELS:
+        given = model.qpos0.copy()
+        given[3:7] = rng.normal(size=4)
+        seated, _ = seat_many(model, given[None], grid.ground(levels[None]), grid)
+        assert not (_depths(model, grid, levels, seated[0]) > 0).any()
+        seated[0, 2] -= CLEARANCE + 3e-4
+        assert (_depths(model, grid, levels, seated[0]) > 0).any()
+
+
 def test_one_robot_is_put_on_a_map_that_is_compiled() -> None:
     scene, spec = rsegen.compose(RECIPE, 5), mujoco.MjSpec.from_string(_legged())
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
@@ -162,6 +229,10 @@ def test_what_does_not_fit_is_refused() -> None:
     model = _model(CART, grid)
     with pytest.raises(ParameterError, match=r"qpos: of shape \(5,\); expected \(robots, 5\)"):
         seat_many(model, model.qpos0, grid.ground(LEVELS[0]))
+    with pytest.raises(ParameterError, match=r"seconds: nan is not a finite number"):
+        seat_many(model, model.qpos0[None], grid.ground(LEVELS[0]), seconds=np.nan)
+    with pytest.raises(ParameterError, match=r"qpos\[1, 2\]: nan is not a finite number"):
+        seat_many(model, np.where(np.arange(10).reshape(2, 5) == 7, np.nan, 0), grid.ground(LEVELS[0]))
     with pytest.raises(ParameterError, match="ground: 1 robots on the ground of 12 worlds; use as many of both"):
         seat_many(model, model.qpos0[None], grid.ground(LEVELS), grid)
     with pytest.raises(ParameterError, match="ground: 12 robots on the ground of 12 worlds; use as many"):

@@ -151,6 +151,20 @@ def test_fields_of_several_frictions_are_refused() -> None:
 def test_a_period_of_no_time_is_refused() -> None:
     with pytest.raises(ParameterError, match="period"):
         Crossing(recipe=RECIPE, period=0.0)
+    with pytest.raises(ParameterError, match="seconds: inf is not a finite number"):
+        Crossing(recipe=RECIPE, seconds=np.inf)
+    with pytest.raises(ParameterError, match=r"flipper_speed: -1 is outside 0\.\.1000 rad/s"):
+        Crossing(recipe=RECIPE, flipper_speed=-1)
+
+
+@pytest.mark.parametrize("action", [[0.0], [0.0, np.nan, 0.0, 0.0], [np.inf] * 4, None, 0.5, np.zeros((1, 4))])
+def test_an_action_that_is_none_is_refused_and_changes_nothing(env: CrossingEnv, action: Any) -> None:
+    observation, _ = env.reset(seed=5)
+    with pytest.raises(ParameterError, match=r"^action: .*; expected 4 finite numbers from -1 to 1$"):
+        env.step(action)
+    assert env.world.data.time == 0
+    again, _ = env.reset(seed=5)
+    assert np.array_equal(observation, again)
 
 
 def test_a_belt_that_was_wedged_at_the_end_of_an_episode_runs_in_the_next_one(env: CrossingEnv) -> None:

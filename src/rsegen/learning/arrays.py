@@ -6,8 +6,8 @@ without a copy, as numpy's on the CPU and as torch's on a GPU.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache, reduce
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial, reduce
 from importlib import import_module
 from typing import Any
 
@@ -26,7 +26,10 @@ def library_of(where: str, given: Any) -> tuple[Any, Any]:
     if _package(given) == "warp":
         given = given.numpy() if given.device.is_cpu else import_module("warp").to_torch(given)
     if isinstance(given, list | tuple | int | float):
-        given = np.asarray(given)
+        try:
+            given = np.asarray(given)
+        except ValueError:  # rows of several lengths
+            given = np.asarray(given, dtype=object)
     if _package(given) not in _LIBRARIES or str(given.dtype) == "object":
         raise ParameterError(where, f"{shown(given)} is not an array of numpy, torch, jax or Warp")
     return _library(_package(given)), given
@@ -67,6 +70,53 @@ def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
             own = reduce(combine, [own[(..., slice(first, first + places), *rest)] for first in range(cells)])
         ends.append(own)
     return ends[0], ends[1]
+
+
+def draws_of(random: Any, library: Any, where: str = "random") -> Iterator[Callable[[str, Any], Any]]:
+    """Yield functions of a distribution and an array, which give random numbers of its shape, type and device.
+
+    random: a Generator of numpy or torch, None for torch's own, or a key of jax; ParameterError for that of another one
+    """
+    if not _is_of(random, library):
+        name = library.__name__.partition(".")[0]
+        wanted = "key" if name == "jax" else "Generator"
+        raise ParameterError(where, f"{shown(random)} is no {wanted} of {name}, and the arrays are of {name}")
+    while True:
+        if library is np:
+            yield partial(_of_numpy, random)
+        elif hasattr(library, "Generator"):
+            yield partial(_of_torch, random, library)
+        else:
+            random, own = import_module("jax.random").split(random)
+            yield partial(_of_jax, own)
+
+
+def _is_of(random: Any, library: Any) -> bool:
+    """Return whether a library can draw from this."""
+    if library is np:
+        return isinstance(random, np.random.Generator)
+    if hasattr(library, "Generator"):
+        return random is None or isinstance(random, library.Generator)
+    return hasattr(random, "dtype")  # a key may be a new one of jax, or an array
+
+
+def _of_numpy(random: np.random.Generator, name: str, like: Any) -> Any:
+    drawn = random.standard_normal(like.shape) if name == "normal" else random.random(like.shape)
+    return drawn.astype(like.dtype)
+
+
+def _of_torch(random: Any, torch: Any, name: str, like: Any) -> Any:
+    draw = torch.randn if name == "normal" else torch.rand
+    return draw(like.shape, generator=random, dtype=like.dtype, device=like.device)
+
+
+def _of_jax(key: Any, name: str, like: Any) -> Any:
+    return getattr(import_module("jax.random"), name)(key, like.shape, like.dtype)
+
+
+def is_traced(array: Any) -> bool:
+    """Return whether jax is compiling, so that an array stands for numbers that come later."""
+    return _package(array) == "jax" and isinstance(array, import_module("jax.core").Tracer)
 
 
 def _package(value: Any) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.learning.ground import Ground, check_levels, friction_by_level, unframed
+from rsegen.learning.ground import Ground, check_levels, friction_by_level, position_of, unframed
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
 
@@ -21,7 +21,7 @@ BELOW = 0.1
 
 
 class BlockArrays:
-    """The blocks of the maps of a recipe; `pos`: where the middle of the map is, metres.
+    """The blocks of the maps of a recipe; `pos`: where the middle of the map is in the world, metres.
 
     colours, frictions: of each level, (levels, 4) and (levels,)
 
@@ -33,7 +33,7 @@ class BlockArrays:
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames, and a grid has only blocks; use none")
         self.recipe: Recipe = recipe
         self.name: str = name
-        self.position: Array = np.array(pos, dtype=float)
+        self.position: Array = position_of(pos)
         self.shape: tuple[int, int] = recipe.grid.shape
         width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
         field = unframed(np.zeros(self.shape, dtype=np.int16), width, unit)
@@ -60,11 +60,11 @@ class BlockArrays:
         return np.full(self.shape, self.recipe.highest_level)
 
     def pos(self, levels: Ints) -> Array:
-        """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
+        """The centres of the blocks in the world, (..., blocks, 3), metres."""
         heights = self._heights(levels)
         centres = np.empty((*heights.shape, 3))
         centres[..., 0], centres[..., 1], centres[..., 2] = self._x[:, None], self._y, (heights - BELOW) / 2
-        return _rows(centres)
+        return _rows(centres + self.position)
 
     def size(self, levels: Ints) -> Array:
         """Half of the sides of the blocks, (..., blocks, 3), metres."""
@@ -82,6 +82,8 @@ class BlockArrays:
 
     def _heights(self, levels: Ints) -> Array:
         own = np.asarray(levels)
+        if own.dtype.kind not in "iu":
+            raise ParameterError("levels", f"of {own.dtype}; expected integers, in units")
         if own.shape[-2:] != self.shape:
             raise ParameterError("levels", f"of shape {own.shape} for a grid of {self.shape}")
         if own.size:

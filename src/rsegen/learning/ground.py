@@ -24,14 +24,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
-from math import ceil, floor
+from math import ceil, floor, inf, isfinite
 from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.arrays import array_like, as_type, class_of, extremes, library_of, with_values
+from rsegen.learning.arrays import (
+    array_like,
+    as_type,
+    class_of,
+    draws_of,
+    extremes,
+    is_traced,
+    library_of,
+    with_values,
+)
+from rsegen.params.sorts import Float, Integer, ListOf, as_int
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT
 from rsegen.scene.scene import Scene
@@ -44,6 +54,26 @@ _PLANE = 5
 
 _HOLE = 1e4
 """Units by which a place in a hole counts as more uneven than any other one."""
+
+_SIDES, _DISTANCE = ListOf(Float(0, 1000, unit="m"), 2), Float(0.001, 1000, unit="m")
+_COUNT, _LENGTH = Integer(1), Float(1e-6, unit="m")
+
+
+def position_of(pos: Sequence[float] | Array) -> Array:
+    """Return a position in the world as an array, (3,), metres; ParameterError if it is none."""
+    try:
+        own = np.array(pos, dtype=float)
+    except (TypeError, ValueError):
+        own = np.empty(0)
+    if own.shape != (3,) or not all(map(isfinite, own.tolist())):
+        raise ParameterError("pos", f"{shown(pos)} is not x, y and z in metres")
+    return own
+
+
+def check_pattern(pattern: Any) -> None:
+    """Raise a ParameterError if an array is not that of the places of points in the frame of a robot."""
+    if pattern.ndim != 2 or pattern.shape[1] != 2:
+        raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
 
 
 def friction_by_level(recipe: Recipe, highest: int | None = None) -> Array:
@@ -60,7 +90,7 @@ def check_levels(levels: Any, highest: int) -> None:
         raise ParameterError("levels", f"{low}..{high} are not all in 0..{highest}, the levels of the recipe")
 
 
-def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Array:
+def scan_points(size: Sequence[float] | Array = (1.6, 1.0), distance: float = 0.1) -> Array:
     """Return a grid of points around a robot, x first, by default that of legged_gym: 17 x 11 points.
 
     Parameters
@@ -75,8 +105,14 @@ def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Ar
     ndarray, shape (points, 2)
         x and y of each point, metres, in the frame of the robot.
     """
-    x, y = (np.linspace(-side / 2, side / 2, round(side / distance) + 1) for side in size)
+    sides, distance = _SIDES.check("size", _listed(size)), _DISTANCE.check("distance", distance)
+    x, y = (np.linspace(-side / 2, side / 2, round(side / distance) + 1) for side in sides)
     return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _listed(values: Any) -> Any:
+    """Return an array of numpy as a list, which parameters are, and all else as it is."""
+    return values.tolist() if isinstance(values, np.ndarray) else values
 
 
 class Ground:
@@ -112,7 +148,7 @@ class Ground:
         self.block_width: float = recipe.block_width_cm / 100
         self.unit: float = recipe.unit_cm / 100
         self._floor: float = recipe.ground_level * self.unit
-        self.position: Array = np.array(pos, dtype=float)
+        self.position: Array = position_of(pos)
         self.priority: int = priority
         self._middle: tuple[float, float, float] = tuple(self.position.tolist())
         self.library: Any
@@ -120,8 +156,8 @@ class Ground:
         self._array: type = class_of(self.library)
         if given.ndim not in (2, 3):
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; expected (n_x, n_y) or (worlds, n_x, n_y)")
-        if not 0 <= outside <= recipe.highest_level:
-            raise ParameterError("outside", f"level {outside} is outside 0..{recipe.highest_level}")
+        if as_int(outside) is None or not 0 <= outside <= recipe.highest_level:
+            raise ParameterError("outside", f"level {shown(outside)} is outside 0..{recipe.highest_level}")
         # A row of the ground around is kept on each side, so that every point has a cell.
         *many, n_x, n_y = given.shape
         try:
@@ -135,7 +171,7 @@ class Ground:
         self._fixed: StepField | None = None
 
     @classmethod
-    def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+    def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
         """Return the ground of a scene of `rsegen.compose`, whose map may have frames; it cannot be written."""
         field, recipe = scene.field, scene.recipe
         # A frame is one more material. Materials are sorted by height, so the higher of two cells has the higher index.
@@ -144,19 +180,28 @@ class Ground:
         friction = np.append(friction_by_level(recipe), scene.friction_of(0))
         order = np.argsort(heights, kind="stable")
         material = np.where(field.frame, len(levels), field.levels)
-        ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
+        levels_alone = replace(recipe, boundary="none")
+        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, priority=priority)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
         ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
         ground._fixed = field
         return ground
 
     @classmethod
-    def of_cells(cls, recipe: Recipe, field: StepField, friction: Array, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+    def of_cells(
+        cls,
+        recipe: Recipe,
+        field: StepField,
+        friction: Array,
+        pos: Sequence[float] = (0, 0, 0),
+        priority: int = CONTACT.priority,
+    ) -> Ground:
         """Return the ground of a field without frames, each of whose cells has a friction; it cannot be written.
 
         friction: (n_x, n_y); recipe: that of the ground around the field.
         """
-        ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
+        levels_alone = replace(recipe, boundary="none")
+        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, priority=priority)
         # Materials are pairs of a level and a friction, sorted by level: the higher of two cells has the higher index.
         pairs = np.column_stack([np.append(0, field.levels), np.append(recipe.friction, friction)])
         known, material = np.unique(pairs, axis=0, return_inverse=True)
@@ -245,6 +290,7 @@ class Ground:
         """
         poses = self.own("poses", poses, 4)
         pattern = as_type(self.own("pattern", pattern), poses.dtype)
+        check_pattern(pattern)
         cosine, sine = self.library.cos(poses[..., 3:]), self.library.sin(poses[..., 3:])
         x = poses[..., :1] + cosine * pattern[:, 0] - sine * pattern[:, 1]
         y = poses[..., 1:2] + sine * pattern[:, 0] + cosine * pattern[:, 1]
@@ -257,15 +303,18 @@ class Ground:
         Negative for a robot above the ground, which has to be lowered so far to stand on it.
         """
         points = self.own("points", points, 3)
+        if points.ndim < 2 or not points.shape[-2]:
+            raise ParameterError("points", f"of shape {tuple(points.shape)}; expected (..., points, 3), one at least")
         return self.library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
 
-    def spots(self, size: Sequence[float], count: int = 1, *, seed: int = 0) -> Any:
+    def spots(self, size: Sequence[float] | Array, count: int = 1, *, seed: int = 0) -> Any:
         """Return places for a robot to start, (count, 4) or (worlds, count, 4): x, y, z [m], yaw.
 
         size: length and width of a rectangle along x and y, metres, that has the most level ground below it; of equally
         level places random ones, which may overlap; holes come last. z: of the highest block below; yaw: of a square
         one of four.
         """
+        size, count = _SIDES.check("size", _listed(size)), _COUNT.check("count", count)
         wide = [max(ceil(side / self.block_width - _EDGE), 1) for side in size]
         n_x, n_y = self._inner.shape[-2:]
         if wide[0] > n_x or wide[1] > n_y:
@@ -273,7 +322,7 @@ class Ground:
         low, high = extremes(self._index(self._inner), wide)
         *many, along_x, along_y = low.shape
         places = along_x * along_y
-        if not 0 < count <= places:
+        if count > places:
             raise ParameterError("count", f"{count} is outside 1..{places}, the number of places on a map")
         rng, library = np.random.default_rng(seed), self.library
         # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
@@ -298,8 +347,10 @@ class Ground:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
         if self._fixed is not None:
             return self._fixed
-        levels = self.levels if self.worlds is None else self.levels[world]
-        own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
+        levels = self.levels
+        if self.worlds is not None:
+            levels = levels[Integer(0, self.worlds - 1).check("world", world)]
+        own = levels.cpu().numpy() if hasattr(levels, "cpu") else np.asarray(levels)
         return unframed(own, self.block_width, self.unit)
 
     @property
@@ -323,12 +374,15 @@ class Ground:
         """Return the places along x and y at which a square is looked at, from its middle, in blocks."""
         # They are less than a block apart: a whole block between two of them would be missed.
         if isinstance(radius, int | float):
+            _check_radius(radius, radius)
             reach = (radius + _EDGE) / self.block_width
             last = floor(2 * reach) + 1
             places = [reach * (2 * place / last - 1) for place in range(last + 1)]
             return places, places
-        reaches = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
-        shares = np.linspace(-1, 1, floor(2 * float(reaches.max())) + 2)
+        radii = np.asarray(radius, dtype=float)
+        _check_radius(radii.min(initial=0.0), radii.max(initial=0.0))
+        reaches = (radii + _EDGE) / self.block_width
+        shares = np.linspace(-1, 1, floor(2 * float(reaches.max(initial=0.0))) + 2)
         x, y = (reaches, reaches) if reaches.ndim == 0 else (reaches[..., 0], reaches[..., 1])
         return [share * x for share in shares], [share * y for share in shares]
 
@@ -423,6 +477,11 @@ class Ground:
         return as_type(values, like.dtype) if _is_real(like) else values
 
 
+def _check_radius(low: float, high: float) -> None:
+    if not 0 <= low <= high < inf:
+        raise ParameterError("radius", f"{(low if isfinite(high) else high):g} m; use 0 or more")
+
+
 def _is_whole(array: Any) -> bool:
     """Return whether an array has integers, of any library."""
     return "int" in str(array.dtype)
@@ -443,7 +502,7 @@ def unframed(levels: Ints, block_width: float, unit: float) -> StepField:
     return StepField(levels=levels.astype(np.int16), frame=frame, block_width=block_width, unit=unit, frame_height=0.0)
 
 
-def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: np.random.Generator) -> Any:
+def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: Any) -> Any:
     """Return the next row of each robot in a terrain whose rows get harder.
 
     Up one row beyond half of a tile; else down one, if less than half of the commanded distance was walked. A robot
@@ -461,8 +520,8 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
         Number of rows.
     length : float
         Length of a tile, metres.
-    rng : numpy.random.Generator
-        Draws rows.
+    rng : numpy.random.Generator, torch.Generator or key of jax
+        Draws rows; in a function that jax compiles a key, as numbers of numpy would be drawn only once.
 
     Returns
     -------
@@ -472,9 +531,27 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     library, own = library_of("rows", rows)
     if "int" not in str(own.dtype) or own.ndim != 1:
         raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; expected integers, one per robot")
-    walked, commanded = (array_like(own, values) for values in (walked, commanded))
+    count, length = _COUNT.check("count", count), _LENGTH.check("length", length)
+    walked, commanded = (_of_robots(own, name, given) for name, given in (("walked", walked), ("commanded", commanded)))
     up = walked > length / 2
     down = ~up & (walked < commanded / 2)
     after = own + array_like(own, up, own.dtype) - array_like(own, down, own.dtype)
-    random = array_like(own, np.floor(rng.random(len(own)) * count), own.dtype)
-    return library.where(after >= count, random, library.clip(after, 0, None))
+    return library.where(after >= count, _drawn_rows(rng, own, count), library.clip(after, 0, None))
+
+
+def _of_robots(rows: Any, where: str, values: Any) -> Any:
+    """Return a number of each robot as an array like that of their rows; one number is that of all."""
+    own = array_like(rows, values)
+    if tuple(own.shape) not in {(), tuple(rows.shape)}:
+        raise ParameterError(where, f"of shape {tuple(own.shape)} for {len(rows)} robots; expected one for each")
+    return own
+
+
+def _drawn_rows(rng: Any, rows: Any, count: int) -> Any:
+    """Return a random one of `count` rows for each robot, in an array like that of their rows."""
+    if not isinstance(rng, np.random.Generator):
+        library, _ = library_of("rows", rows)
+        return as_type(library.floor(next(draws_of(rng, library, "rng"))("uniform", rows * 0.0) * count), rows.dtype)
+    if is_traced(rows):
+        raise ParameterError("rng", "a Generator of numpy draws only once in what jax compiles; use a key of jax")
+    return array_like(rows, np.floor(rng.random(len(rows)) * count), rows.dtype)

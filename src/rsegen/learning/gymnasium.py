@@ -49,7 +49,7 @@ class MapDraws:
         return self._drawn.pop()
 
 
-class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
+class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
     """Draws a map of the grid's recipe at each reset, by the seed of the resets; of a recipe of one map any index.
 
     An environment of Gymnasium's MujocoEnv starts above the blocks: each body that can rise is raised until none of its
@@ -58,13 +58,15 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
     """
 
     def __init__(self, env: Any, grid: BlockGrid) -> None:
-        super().__init__(env)
+        gymnasium.utils.RecordConstructorArgs.__init__(self, grid=grid)
+        gymnasium.Wrapper.__init__(self, env)
         self.grid = grid
         model = getattr(self.unwrapped, "model", None)
         if not isinstance(grid, BlockGrid):
             raise ParameterError("grid", f"a {type(grid).__name__}; expected the BlockGrid of rsegen.learning.mujoco")
-        if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
-            raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
+        if model is None:
+            raise UserError(f"{self.unwrapped} has no model of MuJoCo; use one of Gymnasium's MujocoEnv")
+        grid.geoms(model)
         self._draws = MapDraws(grid.recipe, np.random.default_rng())
         self.ground: Ground = grid.ground(grid.highest)
         self._seats = Seats(model)

@@ -12,12 +12,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 
 from rsegen.datasets.difficulty_tiles import as_recipes
+from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
@@ -31,6 +32,12 @@ from rsegen.scene.scene import Scene
 Attributes = Mapping[str, tuple[float, ...]]
 
 _OF_A_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+
+_UPRIGHT = 1 - 1e-6
+"""Cosine of the angle between an axis and z up to which it is along z: files have rounded numbers."""
+
+_ROUNDING = 1e-9
+"""Metres by which a radius may be smaller than it should."""
 
 _BLOCKS_ALONE = 2**30
 """A bit of `conaffinity` for geoms of robots that otherwise touch nothing, or only what a <pair> names."""
@@ -137,29 +144,59 @@ def let_touch(spec: Any) -> None:
                 geom.conaffinity = _BLOCKS_ALONE
 
 
-def roots_of(model: Any) -> list[tuple[int, Ints]]:
-    """Return the bodies that can rise: each as the index of its z in `qpos`, and its colliding geoms with its links'.
+class Root(NamedTuple):
+    """A joint by which a robot rises as a whole.
 
-    Such a body is on the world by a free joint, or by a slide joint along z, as in models of a plane.
+    at: the index of its height in `qpos`; upwards: 1 if the robot rises with that, -1 if it sinks
+    bodies: that of the joint, and those between it and the world; geoms: all of the robot that can touch anything
+    """
+
+    at: int
+    upwards: float
+    bodies: Ints
+    geoms: Ints
+
+
+def roots_of(model: Any) -> list[Root]:
+    """Return the joints by which robots rise, one for each: a free joint, or a slide joint along the z of the world.
+
+    Such a slide, as models of a plane have it, carries all of the robot that can touch anything, and what carries it
+    slides or turns about z: the lift of an arm that stands on the world is none.
     """
     collides = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
-    roots: list[tuple[int, Ints]] = []
-    for joint in range(model.njnt):
-        body, kind, start = model.jnt_bodyid[joint], model.jnt_type[joint], model.jnt_qposadr[joint]
-        is_free = kind == mujoco.mjtJoint.mjJNT_FREE
-        is_upright = kind == mujoco.mjtJoint.mjJNT_SLIDE and np.allclose(model.jnt_axis[joint], (0, 0, 1))
-        if is_free or (is_upright and model.body_parentid[body] == 0):
-            geoms = np.flatnonzero(collides & (model.body_rootid[model.geom_bodyid] == body))
-            if len(geoms):
-                roots.append((int(start) + (2 if is_free else 0), geoms))
-    return roots
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    is_along_z = np.abs(data.xaxis[:, 2]) > _UPRIGHT
+    slides, turns, free = (
+        model.jnt_type == kind
+        for kind in (mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_FREE)
+    )
+    tilts, roots = ~(slides | (turns & is_along_z)), dict[int, Root]()
+    for joint in np.flatnonzero(free | (slides & is_along_z)):
+        bodies = _way_to_world(model, model.jnt_bodyid[joint])
+        geoms = np.flatnonzero(collides & (model.body_rootid[model.geom_bodyid] == bodies[-1]))
+        is_tilted = tilts[np.isin(model.jnt_bodyid, bodies[1:])].any()
+        carries_all = all(bodies[0] in _way_to_world(model, body) for body in np.unique(model.geom_bodyid[geoms]))
+        if len(geoms) and not is_tilted and carries_all:
+            at = int(model.jnt_qposadr[joint]) + (2 if free[joint] else 0)
+            upwards = 1.0 if free[joint] else float(np.sign(data.xaxis[joint, 2]))
+            roots.setdefault(bodies[-1], Root(at, upwards, np.array(bodies), geoms))
+    return list(roots.values())
+
+
+def _way_to_world(model: Any, body: int) -> list[int]:
+    """Return a body and those between it and the world, which is left out."""
+    bodies = [int(body)]
+    while parent := int(model.body_parentid[bodies[-1]]):
+        bodies.append(parent)
+    return bodies
 
 
 def geom_bounds(model: Any, data: Any, geoms: Ints) -> tuple[Array, Array]:
-    """Return the least and the largest x, y and z of geoms, (geoms, 3), metres; of meshes those of a box around them.
+    """Return the least and the largest x, y and z of geoms, (geoms, 3), metres.
 
     By their support functions along the axes: that of a box is the sum of its half sides, of an ellipsoid the root of
-    the sum of their squares, of a cylinder its axis and its disc; a capsule is a line and a ball.
+    the sum of their squares, of a cylinder its axis and its disc; a capsule is a line and a ball; a mesh its vertices.
     """
     turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
     size, kind = model.geom_size[geoms][:, None, :], model.geom_type[geoms][:, None]
@@ -179,7 +216,13 @@ def geom_bounds(model: Any, data: Any, geoms: Ints) -> tuple[Array, Array]:
         (np.abs(turn) * model.geom_aabb[geoms][:, None, 3:]).sum(-1),
     )
     centre = data.geom_xpos[geoms] + np.einsum("nij,nj->ni", turn, model.geom_aabb[geoms][:, :3])
-    return centre - half, centre + half
+    low, high = centre - half, centre + half
+    for index in np.flatnonzero(kind[:, 0] == shapes.mjGEOM_MESH):
+        mesh = model.geom_dataid[geoms[index]]
+        first = model.mesh_vertadr[mesh]
+        vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]] @ turn[index].T
+        low[index], high[index] = (data.geom_xpos[geoms[index]] + end for end in (vertices.min(0), vertices.max(0)))
+    return low, high
 
 
 class BlockGrid(BlockArrays):
@@ -205,7 +248,9 @@ class BlockGrid(BlockArrays):
         them last: a robot that collides with nothing, or by pairs alone, then collides with the blocks.
         """
         let_touch(spec)
-        body = spec.worldbody.add_body(name=self.name, pos=list(self.position))
+        # The body is at the origin, as the compiler may fuse it with the world (`fusestatic`, as for URDF), where the
+        # places of geoms are those in the world.
+        body = spec.worldbody.add_body(name=self.name)
         arrays = (part(self.highest) for part in (self.pos, self.size, self.rgba, self.sliding))
         for name, pos, size, rgba, friction in zip(self.names, *arrays, strict=True):
             shape = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": pos, "size": size}
@@ -215,10 +260,37 @@ class BlockGrid(BlockArrays):
 
     def write(self, model: Any, levels: Ints) -> None:
         """Put the map of these levels (n_x, n_y) into a compiled model, in place."""
-        first = model.geom(self.names[0]).id
-        part = slice(first, first + len(self.names))
-        model.geom_pos[part], model.geom_size[part] = self.pos(levels), self.size(levels)
+        if np.ndim(levels) != 2:
+            raise ParameterError(
+                "levels", f"of shape {np.shape(levels)}; expected {self.shape}, as a model has one map"
+            )
+        part, position, size = self.geoms(model), self.pos(levels), self.size(levels)
+        self._widen_bounds(model, part)
+        model.geom_pos[part], model.geom_size[part] = position, size
         model.geom_rgba[part], model.geom_friction[part] = self.rgba(levels), self.friction(levels)
+
+    def _widen_bounds(self, model: Any, part: slice) -> None:
+        """Let MuJoCo look for contacts as high as the highest map, even after `mj_setConst` of a lower one (4.0)."""
+        half = self.size(self.highest)[0]
+        radius = float(np.linalg.norm(half))
+        if model.geom_rbound[part].min() > radius - _ROUNDING:
+            return
+        model.geom_rbound[part], model.geom_aabb[part] = radius, [0, 0, 0, *half]
+        body = model.geom_bodyid[part.start]
+        first = model.body_bvhadr[body]
+        boxes = model.bvh_aabb[first : first + model.body_bvhnum[body]]  # centres and half sides; of z both change
+        ground = self.position[2] - model.body_ipos[body, 2]
+        low = np.minimum(boxes[:, 2] - boxes[:, 5], ground - BELOW)
+        high = np.maximum(boxes[:, 2] + boxes[:, 5], ground - BELOW + 2 * half[2])
+        boxes[:, 2], boxes[:, 5] = (low + high) / 2, (high - low) / 2
+
+    def geoms(self, model: Any) -> slice:
+        """Return the indices of the blocks among the geoms of a compiled model; ParameterError if it has none."""
+        first, last = (mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, self.names[at]) for at in (0, -1))
+        if first < 0 or last - first != len(self.names) - 1:
+            missing = self.names[0] if first < 0 else f"{self.names[-1]} where this grid has its last block"
+            raise ParameterError("model", f"has no geom {missing}; add the blocks by grid.add_to")
+        return slice(first, last + 1)
 
     def friction(self, levels: Ints) -> Array:
         """The friction coefficients of the blocks by their levels, (..., blocks, 3): sliding, torsional, rolling."""

@@ -31,10 +31,8 @@ class BlocksOfWorlds:
 
     def __init__(self, grid: BlockGrid, compiled: Any, model: Any, data: Any) -> None:
         self.grid: BlockGrid = grid
-        self._first, self._data = compiled.geom(grid.names[0]).id, data
+        self._part, self._data = grid.geoms(compiled), data
         self.worlds: int = data.nworld
-        body = compiled.body(grid.name).id
-        self._place = compiled.body_pos[body]
         for name in ("geom_pos", "geom_size", "geom_rgba", "geom_friction"):
             array = getattr(model, name)
             rows = np.broadcast_to(array.numpy(), (self.worlds, *array.numpy().shape[1:]))
@@ -59,7 +57,7 @@ class BlocksOfWorlds:
         self.ground.write(np.asarray(levels), rows)  # refuses levels that are not there before anything is written
         grid, model, position = self.grid, self._model, self.grid.pos(levels)
         self._put(model.geom_pos, rows, position)
-        self._put(self._data.geom_xpos, rows, position + self._place)
+        self._put(self._data.geom_xpos, rows, position)
         self._put(model.geom_size, rows, grid.size(levels))
         self._put(model.geom_rgba, rows, grid.rgba(levels))
         self._put(model.geom_friction, rows, grid.friction(levels))
@@ -67,18 +65,18 @@ class BlocksOfWorlds:
     def _write_tensor(self, levels: Any, worlds: Any) -> None:
         """Write levels in a tensor of torch; of centres and sides only z is of a map."""
         grid, rows = self.grid, slice(None) if worlds is None else worlds
-        part, blocks = slice(self._first, self._first + len(grid.names)), levels.reshape(len(levels), -1).long()
+        part, blocks = self._part, levels.reshape(len(levels), -1).long()
         heights = blocks * (grid.recipe.unit_cm / 100)
-        model, centres = self._model, (heights - BELOW) / 2
+        model, centres = self._model, (heights - BELOW) / 2 + float(grid.position[2])
         wp.to_torch(model.geom_pos)[rows, part, 2] = centres
-        wp.to_torch(self._data.geom_xpos)[rows, part, 2] = centres + float(self._place[2])
+        wp.to_torch(self._data.geom_xpos)[rows, part, 2] = centres
         wp.to_torch(model.geom_size)[rows, part, 2] = (heights + BELOW) / 2
         wp.to_torch(model.geom_rgba)[rows, part] = heights.new_tensor(grid.colours)[blocks]
         wp.to_torch(model.geom_friction)[rows, part, 0] = heights.new_tensor(grid.frictions)[blocks]
 
     def _put(self, array: Any, rows: Ints, values: Array) -> None:
         """Write the values of the blocks into some rows of an array (worlds, geoms)."""
-        geoms = np.arange(self._first, self._first + values.shape[1])
+        geoms = np.arange(self._part.start, self._part.stop)
         places: list[Any] = [wp.array(part, dtype=wp.int32, device=array.device) for part in (rows, geoms)]
         new: Any = wp.array(values, dtype=array.dtype, device=array.device)
         blocks: Any = wp.indexedarray(array, places)

@@ -20,6 +20,7 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import columns
 from rsegen.geometry.watertight_mesh import watertight
 from rsegen.learning.blocks import BlockArrays
+from rsegen.learning.ground import position_of
 from rsegen.scene.scene import Scene
 
 SHAPES = ("boxes", "mesh")
@@ -35,7 +36,7 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape:
     """
     if shape not in SHAPES:
         raise UnknownName.among("shape", "shape", shape, SHAPES)
-    at = np.array(pos, dtype=float)
+    at = position_of(pos)
     if shape == "boxes":
         return [
             _add_box(
@@ -89,7 +90,7 @@ class BlockGrid(BlockArrays):
         """
         arrays = (part(self.highest) for part in (self.pos, self.size, self.sliding, self.rgba))
         return [
-            _add_box(builder, self.position + centre, half, friction=float(friction), colour=rgba[:3].tolist())
+            _add_box(builder, centre, half, friction=float(friction), colour=rgba[:3].tolist())
             for centre, half, friction, rgba in zip(*arrays, strict=True)
         ]
 
@@ -100,7 +101,7 @@ class BlockGrid(BlockArrays):
         `solver.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)`.
         """
         # The rows of the shapes in four arrays of the model, on its device.
-        numbers, centres = np.asarray(shapes).reshape(-1), self.position + self.pos(levels)
+        numbers, centres = np.asarray(shapes).reshape(-1), self.pos(levels)
         if len(numbers) != centres[..., 0].size:
             raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; pass those of add_to")
         if not 0 <= numbers.min() <= numbers.max() < model.shape_count:

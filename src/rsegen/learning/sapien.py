@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-import numpy as np
 import sapien
 from sapien.physx import PhysxMaterial
 
 from rsegen.geometry.box_merging import columns
+from rsegen.learning.ground import position_of
 from rsegen.scene.scene import Scene
 
 
@@ -32,9 +32,9 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), *, vis
     def material(friction: float) -> Any:
         return PhysxMaterial(friction, friction, 0.0)
 
-    count = 0
+    count, middle = 0, position_of(pos)
     for column in columns(scene.field):
-        place = sapien.Pose((np.array(pos, dtype=float) + column.centre).tolist())
+        place = sapien.Pose((middle + column.centre).tolist())
         half = tuple(side / 2 for side in column.size)
         builder.add_box_collision(place, half, material(scene.friction_of(column.material)))
         if visual:

@@ -13,17 +13,12 @@ Random numbers come from a Generator of numpy or torch, or from a key of jax, ea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
-from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-
-from rsegen.errors import ParameterError, shown
-from rsegen.learning.arrays import library_of
-from rsegen.learning.ground import Ground, scan_points
+from rsegen.errors import ParameterError
+from rsegen.learning.arrays import array_like, draws_of, library_of
+from rsegen.learning.ground import Ground, check_pattern, scan_points
 from rsegen.params.sorts import Float, Integer, validate
 
 
@@ -59,8 +54,7 @@ class ScanSensor:
     def __post_init__(self) -> None:
         validate(self)
         _, pattern = library_of("pattern", self.pattern)
-        if pattern.ndim != 2 or pattern.shape[1] != 2:
-            raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
+        check_pattern(pattern)
         object.__setattr__(self, "pattern", pattern)
 
     def start(self, ground: Ground, poses: Any, worlds: Any = None) -> ScanState:
@@ -70,13 +64,17 @@ class ScanSensor:
         """
         poses = ground.own("poses", poses, 4)
         scan = ground.scan(self.pattern, poses, worlds)
-        return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0 * poses[..., :3])
+        return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0.0 * poses[..., :3])
 
     def restart(self, state: ScanState, is_new: Any, fresh: ScanState) -> ScanState:
         """Return the state in which robots that `is_new` (...,) says have that of `fresh`, and the others their own."""
-        library, mask = library_of("is_new", is_new)
+        library, scans = library_of("state", state.scans)
+        mask = array_like(scans, library_of("is_new", is_new)[1])
+        if tuple(mask.shape) != tuple(state.drift.shape[:-1]):
+            given = f"of shape {tuple(mask.shape)}; expected {tuple(state.drift.shape[:-1])}, one for each robot"
+            raise ParameterError("is_new", given)
         pairs = zip(state, fresh, strict=True)
-        return ScanState(*(library.where(mask[..., None], new, old) for old, new in pairs))
+        return ScanState(*(library.where(mask[..., None] != 0, new, old) for old, new in pairs))
 
     def sense(
         self, ground: Ground, poses: Any, state: ScanState, random: Any, worlds: Any = None
@@ -86,7 +84,11 @@ class ScanSensor:
         random: a Generator of numpy or torch, None for torch's own, or a key of jax, which is another one at each call.
         """
         poses, library = ground.own("poses", poses, 4), ground.library
-        draws = _draws(random, library)
+        if len(state.scans) != self.delay + 1:
+            raise ParameterError(
+                "state", f"of {len(state.scans)} scans for a delay of {self.delay}; use that of `start`"
+            )
+        draws = draws_of(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
         moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:4]], -1)
         scan = ground.scan(self.pattern, moved, worlds)
@@ -98,31 +100,3 @@ class ScanSensor:
             scan = library.where(next(draws)("uniform", scan) < self.dropout, self.lost, scan)
         scans = library.concatenate([scan[None], state.scans[:-1]], 0)
         return scans[self.delay], ScanState(scans, drift)
-
-
-def _draws(random: Any, library: Any) -> Iterator[Callable[[str, Any], Any]]:
-    """Yield functions of a distribution and an array, which give random numbers of its shape, type and device."""
-    if library is np and not isinstance(random, np.random.Generator):
-        raise ParameterError("random", f"{shown(random)} is no Generator of numpy, and the ground is of numpy")
-    while True:
-        if library is np:
-            yield partial(_of_numpy, random)
-        elif hasattr(library, "Generator"):
-            yield partial(_of_torch, random, library)
-        else:
-            random, own = import_module("jax.random").split(random)
-            yield partial(_of_jax, own)
-
-
-def _of_numpy(random: np.random.Generator, name: str, like: Any) -> Any:
-    drawn = random.standard_normal(like.shape) if name == "normal" else random.random(like.shape)
-    return drawn.astype(like.dtype)
-
-
-def _of_torch(random: Any, torch: Any, name: str, like: Any) -> Any:
-    draw = torch.randn if name == "normal" else torch.rand
-    return draw(like.shape, generator=random, dtype=like.dtype, device=like.device)
-
-
-def _of_jax(key: Any, name: str, like: Any) -> Any:
-    return getattr(import_module("jax.random"), name)(key, like.shape, like.dtype)

@@ -24,7 +24,8 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.learning.ground import Ground
-from rsegen.learning.mujoco import BlockGrid, geom_bounds, roots_of
+from rsegen.learning.mujoco import BlockGrid, Root, geom_bounds, roots_of
+from rsegen.params.sorts import Float
 
 CLEARANCE = 1e-3
 """Metres that stay free below a robot that is put on the ground."""
@@ -46,6 +47,11 @@ _SLOWED = 0.2
 
 _HELD = 1e6
 """Inertia of joints that are held, over the mass of the model times the square of its extent."""
+
+_BOUNDS = ("geom_rbound", "geom_aabb", "bvh_aabb")
+"""Arrays of a model that say where geoms may touch, which `mj_setConst` computes anew (4.0)."""
+
+_SECONDS = Float(0, 1e6, unit="s")
 
 
 def seat(model: Any, data: Any, ground: Ground, *, seconds: float = 0.0) -> bool:
@@ -98,9 +104,12 @@ def seat_many(
     rests : ndarray of bool, shape (robots,)
         Whether a robot came to rest.
     """
-    given = np.array(qpos, dtype=float)
+    given, seconds = np.array(qpos, dtype=float), _SECONDS.check("seconds", seconds)
     if given.ndim != 2 or given.shape[1] != model.nq:
         raise ParameterError("qpos", f"of shape {given.shape}; expected (robots, {model.nq})")
+    if not np.isfinite(given).all():
+        robot, joint = np.argwhere(~np.isfinite(given))[0]
+        raise ParameterError(f"qpos[{robot}, {joint}]", f"{given[robot, joint]} is not a finite number")
     if ground.worlds is not None and (ground.worlds != len(given) or grid is None):
         problem = f"{len(given)} robots on the ground of {ground.worlds} worlds"
         raise ParameterError("ground", f"{problem}; use as many of both, and the grid whose blocks are in the model")
@@ -125,12 +134,15 @@ class Seats:
         self.roots = roots_of(model)
         is_static = model.body_weldid[model.geom_bodyid] == 0
         self._static = is_static & ((model.geom_contype != 0) | (model.geom_conaffinity != 0))
-        bodies = model.jnt_bodyid[[_joint_at(model, at) for at, _ in self.roots]]
-        is_held = ~np.isin(model.jnt_bodyid, bodies)[model.dof_jntid]
+        moving = [body for root in self.roots for body in root.bodies]
+        is_held = ~np.isin(model.jnt_bodyid, moving)[model.dof_jntid]
         stiff.dof_armature[is_held] = _HELD * float(model.body_subtreemass[0]) * model.stat.extent**2
         stiff.dof_damping[~is_held] = model.dof_M0[~is_held] / _SLOWED
         stiff.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_LIMIT
+        bounds = {name: getattr(stiff, name).copy() for name in _BOUNDS}
         mujoco.mj_setConst(stiff, self.data)  # contacts are as stiff and damped as the mass behind them wants
+        for name, values in bounds.items():  # those of all maps, in place of those of the one that it has now
+            getattr(stiff, name)[:] = values
         # The solver judges how exact it is by the mean inertia, which is that of the held joints now: it goes on.
         stiff.opt.tolerance, stiff.opt.ls_tolerance = 0.0, 1e-6
 
@@ -138,17 +150,18 @@ class Seats:
         """Put all that can rise a little above the ground, and return the positions; lower: also what is higher."""
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = qpos
-        for at, geoms in self.roots:
-            start = float(self.data.qpos[at])
-            lowest, highest = (start + rise for rise in self._bounds(geoms, ground, world))
-            is_found = self._is_inside(at, lowest, geoms)
+        for root in self.roots:
+            start = float(self.data.qpos[root.at])
+            lowest, highest = self._bounds(root.geoms, ground, world)
+            is_found = self._is_inside(root, start, lowest)
             while is_found and highest - lowest > _PRECISION:
                 middle = (lowest + highest) / 2
-                if self._is_inside(at, middle, geoms):
+                if self._is_inside(root, start, middle):
                     lowest = middle
                 else:
                     highest = middle
-            self.data.qpos[at] = highest + CLEARANCE if lower else max(highest + CLEARANCE, start)
+            rise = highest + CLEARANCE if lower else max(highest + CLEARANCE, 0.0)
+            self.data.qpos[root.at] = start + root.upwards * rise
         mujoco.mj_forward(self.model, self.data)
         return np.array(self.data.qpos)
 
@@ -163,14 +176,14 @@ class Seats:
             rise = float(ground.lift(lowest[None], half[None], [world])[0])
         return min(float(ground.position[2] - low[:, 2].min()) - _BELOW, rise), rise
 
-    def _is_inside(self, at: int, height: float, geoms: Ints) -> bool:
-        """Return whether a geom of a body is in one that cannot move, at a height of its root."""
-        self.data.qpos[at] = height
+    def _is_inside(self, root: Root, start: float, rise: float) -> bool:
+        """Return whether a geom of a robot is in one that cannot move, if it rises so far."""
+        self.data.qpos[root.at] = start + root.upwards * rise
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
         pairs = self.data.contact.geom
-        own, static = np.isin(pairs, geoms), self._static[pairs]
+        own, static = np.isin(pairs, root.geoms), self._static[pairs]
         return bool((self.data.contact.dist[(own & static[:, ::-1]).any(axis=1)] < 0).any())
 
     def drop(self, seconds: float) -> bool:
@@ -182,8 +195,3 @@ class Seats:
             if still == 2:
                 break
         return still == 2
-
-
-def _joint_at(model: Any, at: int) -> int:
-    """Return the joint to which a place in `qpos` belongs."""
-    return int(np.searchsorted(model.jnt_qposadr, at, side="right")) - 1

@@ -39,6 +39,7 @@ from rsegen.obstacles.matrix import Matrix
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT
 
 _ALIKE = ("unit_cm", "block_width_cm", "level_colours")
 """Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
@@ -223,9 +224,12 @@ class Terrain(TerrainDesign):
             frictions[self._window(row, column)] = table[self.levels[row, column]]
         return frictions
 
-    def ground(self, pos: Sequence[float] = (0, 0, 0)) -> Ground:
-        """Return the ground of the whole terrain, its middle at `pos` in metres: each tile has its own friction."""
-        return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos)
+    def ground(self, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
+        """Return the ground of the whole terrain, its middle at `pos` in metres: each tile has its own friction.
+
+        priority: that of its Contact in MuJoCo, if it has another one than by default.
+        """
+        return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos, priority)
 
     @property
     def recipe(self) -> Recipe:

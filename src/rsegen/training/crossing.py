@@ -28,6 +28,7 @@ from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.params.sorts import Float
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.scene.scene import compose
@@ -53,6 +54,8 @@ _HEADING = 0.35
 _ARRIVED, _FELL, _CLOCK, _STEERED = 5.0, -2.0, -0.01, -0.02
 """Rewards, in metres of way: for getting across, for tipping over or leaving the lane, for each period, and for each
 radian between the robot's heading and east."""
+
+_SECONDS, _FLIPPER_SPEED = Float(STEP, 1e6, unit="s"), Float(0, 1000, unit="rad/s")
 
 
 class Flipper(NamedTuple):
@@ -91,6 +94,8 @@ class Crossing:
     def __post_init__(self) -> None:
         if not self.recipe.is_of_one_friction:
             raise ParameterError("level_friction", "robots of rsegen cross fields of one friction; set only `friction`")
+        _SECONDS.check("seconds", self.seconds)
+        _FLIPPER_SPEED.check("flipper_speed", self.flipper_speed)
         if not STEP <= self.period <= self.seconds:
             raise ParameterError("period", f"{self.period} s; use {STEP} s or more, and up to `seconds`")
 
@@ -138,7 +143,7 @@ class Crossing:
         """Return a world of MuJoCo with the robot at its start, and blocks that are all as high as the highest."""
         grid, highest = self.grid, self.grid.highest
         flat = compose(Recipe(name="flat", boundary="none", friction=self.recipe.friction))
-        boxes = NamedBoxes(grid.name, grid.position, grid.names, grid.pos(highest), grid.size(highest))
+        boxes = NamedBoxes(grid.name, np.zeros(3), grid.names, grid.pos(highest), grid.size(highest))
         placed = PlacedRobot(name=NAME, robot=self.driven, start=self.start(0.0, 0.0))
         return MujocoWorld(flat, [placed], period=float("inf"), gains=[turn_gain(self.driven)], boxes=boxes)
 

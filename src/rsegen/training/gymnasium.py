@@ -14,6 +14,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
@@ -56,9 +57,13 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         return self._observed()[0], self._info(is_across=False)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Drive for a period."""
+        """Drive for a period; ParameterError for an action of another shape or that is no number."""
         crossing, data = self.crossing, self.world.data
-        self._action = np.clip(np.asarray(action, dtype=float), -1, 1)[None]
+        given = np.asarray(action, dtype=float)
+        if given.shape != self._action.shape[1:] or not np.isfinite(given).all():
+            problem = f"{shown(given.tolist())}; expected {self._action.shape[1]} finite numbers from -1 to 1"
+            raise ParameterError("action", problem)
+        self._action = np.clip(given, -1, 1)[None]
         before = np.array([data.qpos[0]])
         v, w = crossing.speeds(self._action)
         self._targets = crossing.angles(self._action, self._targets, self.flippers)
