@@ -356,9 +356,9 @@ class _Builder:
     def _halves(self, side: int, mu_axis: float, mu_other: float) -> Sequence[tuple[float, float, float]]:
         """Return the coefficients along the axis and across it, and `times`, of each shape that stands for one.
 
-        Friction has a most force, which MuJoCo takes whatever its direction, as Coulomb does: a belt that slips along
-        holds nothing across. ODE, Classic's engine, has one along and one across, each on its own. Two shapes in one
-        place carry half of the load each, so one holds along and the other across, with twice the coefficient.
+        MuJoCo has one limit for the friction in all directions together, as Coulomb has, so a belt that slips along
+        holds little across. ODE, Classic's engine, has a limit along and one across, each on its own. Of two shapes in
+        one place each carries half of the load, so one holds along and the other across, with twice the coefficient.
         """
         if side < 0 or not self._is_classic:
             return [(mu_axis, mu_other, 1.0)]
