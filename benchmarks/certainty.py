@@ -228,30 +228,31 @@ SHARP = 0.9
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the tables of a record in Markdown."""
-    rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
-    for judge, title in _TITLES.items():
-        own = [row for row in rows if row["judge"] == judge and row["of"]]
-        if not own:
-            continue
+    for title, own in _by_judge(record).items():
         yield f"**{title}**: {len(own)} predictions, {sum(row['of'] for row in own)} drives, Brier {brier(own):.3f}"
         yield ""
         yield "| predicted | predictions | drives | crossed | 95 % interval |"
         yield "|---|---|---|---|---|"
         for low, high in BINS:
-            told = [row for row in own if low <= row["told"] < high or row["told"] == high == 1]
-            crossed, of = (sum(row[name] for row in told) for name in ("crossed", "of"))
-            mean = (
-                f"{np.average([row['told'] for row in told], weights=[row['of'] for row in told]):.2f}" if told else ""
-            )
-            ends = "{:.2f} to {:.2f}".format(*wilson(crossed, of)) if of else ""
-            share = f"{crossed / of:.2f}" if of else ""
-            yield f"| {low:g} to {high:g}, mean {mean} | {len(told)} | {of} | {share} | {ends} |"
+            if told := _Bin.of(own, low, high):
+                counts = f"{told.predictions} | {told.drives} | {told.crossed / told.drives:.2f}"
+                ends = "{:.2f} to {:.2f}".format(*told.interval)
+                yield f"| {low:g} to {high:g}, mean {told.mean:.2f} | {counts} | {ends} |"
+            else:
+                yield f"| {low:g} to {high:g} | 0 | 0 | | |"
         yield ""
         yield "| of | predictions | sure | of sure ones right | 95 % interval | at least 0.9: crossed |"
         yield "|---|---|---|---|---|---|"
         for names in GROUPS:
             yield from _by(own, names)
         yield ""
+
+
+def _by_judge(record: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Return the predictions of a record that were judged, by the title of the simulator that judged them."""
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
+    judged_by = {title: [row for row in rows if row["judge"] == name and row["of"]] for name, title in _TITLES.items()}
+    return {title: own for title, own in judged_by.items() if own}
 
 
 GROUPS = ((), ("robot",), ("robot", "unit_cm"), ("route",), ("route", "motors"), ("field",))
@@ -289,12 +290,9 @@ def draw(record: Mapping[str, Any]) -> None:
     """Draw the reliability diagram: how often robots crossed beside what was told, with intervals and counts."""
     from matplotlib.figure import Figure
 
-    rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
-    judged = {row["judge"] for row in rows if row["of"]}
-    judges = {judge: title for judge, title in _TITLES.items() if judge in judged}
-    figure = Figure(figsize=(5.2 * len(judges), 4.6), dpi=100, layout="constrained")
-    for axes, (judge, title) in zip(np.atleast_1d(figure.subplots(1, len(judges))), judges.items(), strict=True):
-        own = [row for row in rows if row["judge"] == judge and row["of"]]
+    judged_by = _by_judge(record)
+    figure = Figure(figsize=(5.2 * len(judged_by), 4.6), dpi=100, layout="constrained")
+    for axes, (title, own) in zip(np.atleast_1d(figure.subplots(1, len(judged_by))), judged_by.items(), strict=True):
         axes.plot([0, 1], [0, 1], color="grey", linewidth=1, label="as told")
         for low, high in BINS:
             if told := _Bin.of(own, low, high):

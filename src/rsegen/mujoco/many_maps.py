@@ -46,7 +46,7 @@ class ManyMaps(BatchWorlds):
         for number, found in enumerate(maps):
             centres[number, : len(found)], halves[number, : len(found)] = found.centres, found.sizes / 2
         unused = (np.tile(part, (most, 1)) for part in _UNUSED)
-        named = NamedBoxes("map", np.zeros(3), [f"block_{number}" for number in range(most)], *unused)
+        named = NamedBoxes("map", [f"block_{number}" for number in range(most)], *unused)
         flat = compose(Recipe(name="flat", boundary="none", friction=scenes[0].friction))
         gains = [turn_gain(placed[0].robot)]
         one = MujocoWorld(flat, placed[:1], motors=motors, period=inf, gains=gains, boxes=named)

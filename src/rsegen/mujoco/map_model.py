@@ -37,11 +37,10 @@ _THINNEST = 1e-4
 class NamedBoxes(NamedTuple):
     """Boxes in their own body, next to those of a scene: somebody changes them in the compiled model.
 
-    body: its name; at: its place, metres; names: of the boxes; centres, halves: (boxes, 3), metres, from its place
+    body: its name; names: of the boxes; centres, halves: (boxes, 3), metres
     """
 
     body: str
-    at: Array
     names: Sequence[str]
     centres: Array
     halves: Array
@@ -85,7 +84,7 @@ def map_model(
         box = {"type": "box", "pos": numbers(centre), "size": numbers(size / 2)}
         SubElement(world, "geom", box | _touched(mu, friction))
     if boxes is not None:
-        body = SubElement(world, "body", name=boxes.body, pos=numbers(boxes.at))
+        body = SubElement(world, "body", name=boxes.body)
         for name, centre, half in zip(boxes.names, boxes.centres, boxes.halves, strict=True):
             box = {"name": name, "type": "box", "pos": numbers(centre), "size": numbers(half)}
             SubElement(body, "geom", box | _touched(scene.friction, friction))

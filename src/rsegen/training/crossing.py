@@ -143,7 +143,7 @@ class Crossing:
         """Return a world of MuJoCo with the robot at its start, and blocks that are all as high as the highest."""
         grid, highest = self.grid, self.grid.highest
         flat = compose(Recipe(name="flat", boundary="none", friction=self.recipe.friction))
-        boxes = NamedBoxes(grid.name, np.zeros(3), grid.names, grid.pos(highest), grid.size(highest))
+        boxes = NamedBoxes(grid.name, grid.names, grid.pos(highest), grid.size(highest))
         placed = PlacedRobot(name=NAME, robot=self.driven, start=self.start(0.0, 0.0))
         return MujocoWorld(flat, [placed], period=float("inf"), gains=[turn_gain(self.driven)], boxes=boxes)
 
