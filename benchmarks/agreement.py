@@ -307,8 +307,8 @@ def measured(
         if can_drive(course, robot, simulator):
             kept["drives"] += map(asdict, _driven(course, robot, simulator, record["ways"], quick=quick))
     own = [robot for robot in robots if robot in crossings.PLANS]
-    for robot, simulator in product([] if quick else own, simulators):
-        kept["climbs"] += climbs(simulator, robot)
+    for robot, simulator, sides in product([] if quick else own, simulators, SIDES):
+        kept["climbs"] += climbs(simulator, robot, sides)
     if MUJOCO[0] in simulators:
         kept["speeds"] += [speeds(robot, blocks) for robot, blocks in product(own, (10, 40))]
     return record | {part: sorted(entries, key=_place) for part, entries in kept.items()}
@@ -431,17 +431,18 @@ def _with_itself(found: Sequence[Outcome], simulator: str) -> str:
 
 def _climbs_table(climbs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a table of the highest step that robots climb in each simulator, and the lowest one that holds them."""
-    yield "| robot | simulator | climbs all steps up to | is held by the first one at | steps tried |"
-    yield "|---|---|---|---|---|"
-    for robot, simulator in dict.fromkeys((one["robot"], one["simulator"]) for one in climbs):
-        own = {
-            one["height"]: one["climbed"] for one in climbs if (one["robot"], one["simulator"]) == (robot, simulator)
-        }
+    yield "| robot | step before | simulator | climbs all steps up to | is held by the first one at | steps tried |"
+    yield "|---|---|---|---|---|---|"
+    by_kind: dict[tuple[str, ...], dict[float, bool]] = {}
+    for one in climbs:
+        kind = one["robot"], one.get("sides", SIDES[0]), one["simulator"]
+        by_kind.setdefault(kind, {})[one["height"]] = one["climbed"]
+    for (robot, sides, simulator), own in by_kind.items():
         held = min((height for height, climbed in own.items() if not climbed), default=None)
         below = max((height for height in own if held is None or height < held), default=0.0)
         first = "none" if held is None else f"{100 * held:.3g} cm"
         span = f"{100 * min(own):.3g} to {100 * max(own):.3g} cm"
-        yield f"| {robot} | {_title(simulator)} | {100 * below:.3g} cm | {first} | {span} |"
+        yield f"| {robot} | {sides} | {_title(simulator)} | {100 * below:.3g} cm | {first} | {span} |"
 
 
 def _speeds_table(speeds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
@@ -473,14 +474,18 @@ STEPS: Mapping[str, Steps] = {
     "crawler": Steps(2.5, range(4, 17), 9),
 }
 
+SIDES = "both sides", "one side"
+"""What of a robot meets a step."""
+
 _EASY = 0.3
 """Speed, m/s, at which a robot is driven against a step, at most: what climbs by its momentum has an easier field."""
 
 
-def climbs(simulator: str, name: str) -> Iterator[dict[str, Any]]:
+def climbs(simulator: str, name: str, sides: str = SIDES[0]) -> Iterator[dict[str, Any]]:
     """Yield, for each height, whether a robot that is driven straight against a step of it is upon it in the end."""
     robot, steps = ROBOTS[name], STEPS[name]
-    lanes = [[level] * 30 for level in steps.levels for _ in range(steps.blocks)]
+    met = steps.blocks if sides == SIDES[0] else steps.blocks // 2
+    lanes = [[level if row < met else 0] * 30 for level in steps.levels for row in range(steps.blocks)]
     chunks = [3, ceil(len(lanes) / 10)]
     given = {"chunks": chunks, "boundary": "none", "unit_cm": steps.unit_cm, "seed": 1}
     scene = compose(decode({"name": "steps", **given, "obstacles": [{"kind": "matrix", "rows": lanes[::-1]}]}), 0)
@@ -499,7 +504,7 @@ def climbs(simulator: str, name: str) -> Iterator[dict[str, Any]]:
         driven = driven_robot(run, scene, recording, Straight.name)
         height, row = level * steps.unit_cm / 100, driven.trajectory.rows[-1]
         climbed = bool(row[1] > on_top) and not driven.metrics.tipped
-        yield {"robot": name, "simulator": simulator, "height": round(height, 6), "climbed": climbed}
+        yield {"robot": name, "sides": sides, "simulator": simulator, "height": round(height, 6), "climbed": climbed}
 
 
 def speeds(name: str, blocks: int, seconds: float = 10.0) -> dict[str, Any]:

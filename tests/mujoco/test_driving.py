@@ -133,16 +133,17 @@ def test_a_caster_is_lifted_over_an_edge_only_without_the_reaction_of_the_motors
     assert climbed("burger", 0.001, motors="reaction")
 
 
-def test_a_belt_that_slips_holds_across_only_as_in_classic() -> None:
-    """One belt meets a step of slippery blocks; while it slips, the other one turns a real robot towards it."""
-    step = step_of(0.03, friction=0.3)
+@pytest.mark.parametrize(("kind", "height", "friction", "v"), [("crawler", 0.03, 0.3, 0.2), ("jackal", 0.05, 1, 0.4)])
+def test_what_slips_holds_across_only_as_in_classic(kind: str, height: float, friction: float, v: float) -> None:
+    """One side meets a step and slips there; a real robot is turned towards it by the other side."""
+    step = step_of(height, friction=friction)
     levels = step.field.levels.copy()
     levels[:, 10:] = 0
     scene, turned = replace(step, field=replace(step.field, levels=levels)), {}
     for motors in ("reaction", "classic"):
-        world = world_of("crawler", scene, Pose(x=-1.6, y=0.0, z=DROP_HEIGHT), motors=motors)
+        world = world_of(kind, scene, Pose(x=-1.6, y=0.0, z=DROP_HEIGHT), motors=motors)
         settled(world)
-        world.drive("robot", robot_of("crawler"), 0.2, 0.0)
+        world.drive("robot", robot_of(kind), v, 0.0)
         met, yaws = False, []
         for _ in range(30):
             contacts = world.step_with_contacts(100)
@@ -151,7 +152,7 @@ def test_a_belt_that_slips_holds_across_only_as_in_classic() -> None:
         assert met
         turned[motors] = max(yaws)
     assert turned["reaction"] > 0.3
-    assert turned["classic"] < 0.05
+    assert turned["classic"] < turned["reaction"] / 3
 
 
 @pytest.mark.slow

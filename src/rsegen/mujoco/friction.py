@@ -8,11 +8,14 @@ map is a bit in the masks by which MuJoCo decides what may touch what, and each 
 
 Cost: none on a map of one coefficient, where one shape is enough. What breaks it: a map with more than 28 coefficients,
 which is refused.
+
+With motors as Gazebo Classic's, friction is also as there: a limit along and another across (`corner_ellipse`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import sqrt
 from typing import NamedTuple
 
 from rsegen.errors import ParameterError
@@ -25,6 +28,32 @@ ROBOTS = 1 << 30
 
 LEAST = 1e-5
 """The least coefficient: MuJoCo takes none of 0."""
+
+
+MOST_RATIO = 24.0
+"""Ratio of mu slip across and along from which on there is no slip along: an ellipse of friction is at most
+sqrt(1 + 24) = 5 times as long as its box, as MuJoCo solves contacts with the square of that."""
+
+STILL = 1e-6
+"""Slip, m/s, times its coefficient, of what does not slip."""
+
+
+def corner_ellipse(mu: float, mu2: float, slip: float, slip2: float) -> tuple[float, float]:
+    """Return the half-axes of the ellipse that stands for a box of friction, for a slip along and across, m/s.
+
+            mu2 |     , - ~ ~ - ,          Coulomb's friction, and MuJoCo's, has one limit in all directions together: a
+            +---|--'+           '+---      wheel that spins has spent it, and is pushed aside by anything. ODE's, in
+        . ' |   |   |             | ' .    Gazebo Classic, has a limit along and one across, each on its own: a box.
+       -----+---+---+-------------+-----   MuJoCo takes no box, but an ellipse (mu e, mu2 e2) contains the box and meets
+        ' . |   |   |    mu       | . '    its corners if 1 / e^2 + 1 / e2^2 = 1. What slips is held as much as possible
+            +---|--,+           ,+---      against its slip, so of these ellipses the one with
+                |     ' - _ _ - '          e^2 = 1 + mu2 slip2 / (mu slip) holds exactly as the box does, at its corner.
+
+    So a wheel that spins with hardly any slip to the side still holds there as the box does.
+    """
+    ratio = (mu2 * abs(slip2) + STILL) / (mu * abs(slip) + STILL)
+    ratio = min(max(ratio, 1 / MOST_RATIO), MOST_RATIO)
+    return mu * sqrt(1 + ratio), mu2 * sqrt(1 + 1 / ratio)
 
 
 class Layer(NamedTuple):

@@ -7,7 +7,10 @@ import mujoco
 import warp as wp
 from mujoco_warp._src.types import vec5
 
+from rsegen.mujoco import friction
 from rsegen.mujoco.world import SIDE
+
+STILL, MOST_RATIO = wp.constant(friction.STILL), wp.constant(friction.MOST_RATIO)
 
 FRICTION = wp.constant(int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF))
 
@@ -32,6 +35,14 @@ def ramp(
         qvel[world, dof[wheel]] = speed
 
 
+@wp.func
+def corner_ellipse(mu: wp.vec2, slip: wp.vec2) -> wp.vec2:
+    """Return what `rsegen.mujoco.friction.corner_ellipse` does."""
+    ratio = (mu[1] * wp.abs(slip[1]) + STILL) / (mu[0] * wp.abs(slip[0]) + STILL)
+    ratio = wp.clamp(ratio, 1.0 / MOST_RATIO, MOST_RATIO)
+    return wp.vec2(mu[0] * wp.sqrt(1.0 + ratio), mu[1] * wp.sqrt(1.0 + 1.0 / ratio))
+
+
 @wp.kernel(enable_backward=False)
 def turn_planes(
     count: wp.array[wp.int32],
@@ -44,6 +55,10 @@ def turn_planes(
     belt: wp.array[wp.int32],
     speeds: wp.array2d[wp.float32],
     wedged: wp.array[wp.int32],
+    points: wp.array[wp.vec3],
+    twists: wp.array2d[wp.spatial_vector],
+    centres: wp.array2d[wp.vec3],
+    roots: wp.array[wp.int32],
     frames: wp.array[wp.mat33],
     friction: wp.array[vec5],
     surface: wp.array[wp.vec3],
@@ -62,16 +77,22 @@ def turn_planes(
     normal = wp.vec3(frame[0, 0], frame[0, 1], frame[0, 2])
     across = wp.cross(normal, xmat[world, body[own]] * axis[own])
     length = wp.length(across)
-    along_axis, other, times, speed = mu[own][0], mu[own][1], mu[own][2], wp.float32(0.0)
+    along_axis, other, speed = mu[own][0], mu[own][1], wp.float32(0.0)
     if belt[own] >= 0 and wedged[world] == 0:
         speed = speeds[world, belt[own]]
     if length <= SIDE:
         across, length = wp.vec3(frame[2, 0], frame[2, 1], frame[2, 2]), wp.float32(1.0)
-        along_axis, other, times, speed = coefficients[0], coefficients[0], wp.float32(1.0), wp.float32(0.0)
+        along_axis, other, speed = coefficients[0], coefficients[0], wp.float32(0.0)
     across = across / length
-    frames[at] = wp.matrix_from_rows(normal, wp.cross(across, normal), across)
-    coefficients[1] = times * wp.min(coefficients[0], other)
-    coefficients[0] = times * wp.min(coefficients[0], along_axis)
+    along = wp.cross(across, normal)
+    frames[at] = wp.matrix_from_rows(normal, along, across)
+    halves = wp.vec2(wp.min(coefficients[0], along_axis), wp.min(coefficients[0], other))
+    if mu[own][2] > 0.0:
+        twist, arm = twists[world, body[own]], points[at] - centres[world, roots[body[own]]]
+        velocity = wp.spatial_bottom(twist) + wp.cross(wp.spatial_top(twist), arm)
+        halves = corner_ellipse(halves, wp.vec2(wp.dot(velocity, along), wp.dot(velocity, across) + speed))
+    coefficients[0] = halves[0]
+    coefficients[1] = halves[1]
     friction[at] = coefficients
     surface[at] = wp.vec3(0.0, speed, 0.0)
 

@@ -194,6 +194,7 @@ class ManyWorlds:
             inputs=[
                 data.nacon, contact.geom, contact.worldid, data.xmat,
                 self._body, self._axis, self._mu, self._belt, self.speeds, self.wedged,
+                contact.pos, data.cvel, data.subtree_com, model.body_rootid,
             ],
             outputs=[contact.frame, contact.friction, contact.surfacevel],
         )  # fmt: skip
@@ -220,12 +221,12 @@ class ManyWorlds:
     # What the kernels look up.
 
     def _keep_shapes(self, world: MujocoWorld) -> None:
-        """Keep, for each geom, its body (-1: it is none of the robot), axis, frictions and the side of its belt."""
+        """Keep, for each geom, its body (-1: it is none of the robot), axis, friction and the side of its belt."""
         count = world.model.ngeom
         body, belt = np.full(count, -1, dtype=np.int32), np.full(count, -1, dtype=np.int32)
         axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
         for geom, own in world.shapes.directions.items():
-            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other, own.times)
+            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other, own.is_box)
         for _, side, geom in world.belts.belts:
             belt[geom] = side
         self._has_belts = bool(world.belts.belts)

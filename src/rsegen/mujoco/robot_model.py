@@ -16,7 +16,6 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
@@ -63,7 +62,8 @@ class Shape(NamedTuple):
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
     they are equal on this map, but for a belt
-    times: by which the friction of a contact is multiplied: 2 for one of two shapes that share the load (`_halves`)
+    is_box: whether its friction has a limit along the axis and one across it, each on its own, as in Gazebo Classic;
+    without an axis, along those of the world, as there
     """
 
     name: str
@@ -72,7 +72,7 @@ class Shape(NamedTuple):
     axis: Array | None = None
     mu_axis: float = 1.0
     mu_other: float = 1.0
-    times: float = 1.0
+    is_box: bool = False
 
 
 class WheelMotor(NamedTuple):
@@ -329,12 +329,16 @@ class _Builder:
             axis = turned / np.linalg.norm(turned)
             if part.rpartition("::")[0] in self._driven:
                 axis, mu_axis, mu_other = self._on_axle(axis, shape.link, (mu, mu2))
-        # A belt runs at right angles to its axle, so its contacts are turned in any case.
-        if side < 0 and min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
+        # A belt runs at right angles to its axle, so its contacts are turned in any case, as a box's are.
+        if (
+            side < 0
+            and not self._is_classic
+            and min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest)
+        ):
             axis = None
         strongest = max(mu_axis, mu_other)
         mu_axis, mu_other = (max(mu, _SLIPPERY * strongest, LEAST) for mu in (mu_axis, mu_other))
-        for layer, half in product(self._friction.layers(strongest), self._halves(side, mu_axis, mu_other)):
+        for layer in self._friction.layers(strongest):
             name = f"{self.model.name}/{len(self.model.shapes)}"
             others = ROBOTS if layer.priority and not self._alone else 0
             geom = SubElement(
@@ -351,18 +355,7 @@ class _Builder:
             )
             if side >= 0:
                 geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
-            self.model.shapes.append(Shape(name, part, side, axis, *half))
-
-    def _halves(self, side: int, mu_axis: float, mu_other: float) -> Sequence[tuple[float, float, float]]:
-        """Return the coefficients along the axis and across it, and `times`, of each shape that stands for one.
-
-        MuJoCo has one limit for the friction in all directions together, as Coulomb has, so a belt that slips along
-        holds little across. ODE, Classic's engine, has a limit along and one across, each on its own. Of two shapes in
-        one place each carries half of the load, so one holds along and the other across, with twice the coefficient.
-        """
-        if side < 0 or not self._is_classic:
-            return [(mu_axis, mu_other, 1.0)]
-        return [(mu_axis, LEAST, 2.0), (LEAST, mu_other, 2.0)]
+            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, self._is_classic))
 
     def _asset(self, vertices: str) -> str:
         """Return the name of a mesh with these vertices; shapes of one file share it, as its hull takes time.

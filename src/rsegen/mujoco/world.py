@@ -17,7 +17,7 @@ round more than its ends, and steps in which a robot sinks in (`SINKS`), which e
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import asin, atan2, cos, inf, sin, sqrt
 from typing import Any, ClassVar, NamedTuple
 
@@ -26,6 +26,7 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
+from rsegen.mujoco.friction import corner_ellipse
 from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, NamedBoxes, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape, weights
@@ -319,14 +320,14 @@ _SLEEP = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 class _Directions(NamedTuple):
     """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across.
 
-    times: by which both count
+    is_box: whether each has a limit of its own
     """
 
     body: int
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
     mu_axis: float = inf
     mu_other: float = inf
-    times: float = 1.0
+    is_box: bool = False
 
 
 class _Shapes:
@@ -345,8 +346,8 @@ class _Shapes:
         self._part = [0] * model.ngeom
         self.directions: dict[int, _Directions] = {}
         self._axes: list[tuple[int, tuple[float, float, float]]] = []  # bodies, and axes in their frames, all different
-        # Of each shape: its row of `_axes`, and coefficients, and by how much they are multiplied.
-        self._frictions: dict[int, tuple[int, float, float, float]] = {}
+        # Of each shape: its row of `_axes`, its coefficients, and whether each has a limit of its own.
+        self._frictions: dict[int, tuple[int, float, float, bool]] = {}
         self.speed = [0.0] * model.ngeom
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
@@ -356,13 +357,17 @@ class _Shapes:
             if shape.axis is not None:
                 x, y, z = shape.axis.tolist()
                 mu_axis, mu_other = friction * shape.mu_axis, friction * shape.mu_other
-                own = _Directions(own.body, (x, y, z), mu_axis, mu_other, shape.times)
+                own = _Directions(own.body, (x, y, z), mu_axis, mu_other, shape.is_box)
+            elif shape.is_box:
+                own = _Directions(own.body, (0.0, 0.0, 0.0), is_box=True)
             self.directions[geom] = own
             if (line := (own.body, own.axis)) not in self._axes:
                 self._axes.append(line)
-            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other, own.times
+            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other, own.is_box
+        self._roots = model.body_rootid.tolist()
         self._touched: Counter[bytes] = Counter()
-        self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
+        self._has_boxes = any(shape.is_box for shape in shapes)
+        self.turned = self._has_boxes or any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
 
     def count(self, contact: Any) -> None:
         """Count a step for each part that has contact."""
@@ -387,15 +392,16 @@ class _Shapes:
         Across the axis, as long as n x a, a belt's surface moves at its speed, whichever of both shapes it is. Shapes
         of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape whose
         friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
-        with one friction, and without motion.
+        with one friction, and without motion. A box of friction is the ellipse that stands for it at the slip now.
         """
         contact, known, speed, xmat = data.contact, self._frictions, self.speed, data.xmat
         frames, friction = contact.frame, contact.friction
         axes: dict[int, tuple[float, float, float]] = {}  # of bodies, in the frame of the world
         found: list[float] = []  # of each contact: two directions, two coefficients, a speed
         owners, mus = map(max, contact.geom.tolist()), friction[:, 0].tolist()
-        for own, frame, mu in zip(owners, frames.tolist(), mus, strict=True):
-            number, mu_axis, mu_other, times = known[own]
+        velocity = self._velocity(data) if self._has_boxes else None
+        for at, (own, frame, mu) in enumerate(zip(owners, frames.tolist(), mus, strict=True)):
+            number, mu_axis, mu_other, is_box = known[own]
             if number not in axes:
                 body, (p, q, r) = self._axes[number]
                 a, b, c, d, e, f, g, h, i = xmat[body].tolist()
@@ -407,13 +413,29 @@ class _Shapes:
             length = sqrt(x * x + y * y + z * z)
             surface = speed[own]
             if length <= SIDE:
-                (x, y, z), length, mu_axis, mu_other, times, surface = other, 1.0, mu, mu, 1.0, 0.0
+                (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0
             x, y, z = x / length, y / length, z / length
-            found += (nz * y - ny * z, nx * z - nz * x, ny * x - nx * y, x, y, z)
+            along = nz * y - ny * z, nx * z - nz * x, ny * x - nx * y
             mu_axis, mu_other = mu if mu < mu_axis else mu_axis, mu if mu < mu_other else mu_other
-            found += (times * mu_axis, times * mu_other, surface)
+            if velocity and is_box:
+                u, v, w = velocity(at, self._axes[number][0])
+                slip = along[0] * u + along[1] * v + along[2] * w
+                mu_axis, mu_other = corner_ellipse(mu_axis, mu_other, slip, x * u + y * v + z * w + surface)
+            found += (*along, x, y, z, mu_axis, mu_other, surface)
         rows = np.array(found).reshape(-1, 9)
         frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = rows[:, :6], rows[:, 6:8], rows[:, 8]
+
+    def _velocity(self, data: Any) -> Callable[[int, int], tuple[float, float, float]]:
+        """Return what tells the velocity of a body, m/s, at a contact by its number, as it was in the step before."""
+        twists, centres, points = data.cvel.tolist(), data.subtree_com.tolist(), data.contact.pos.tolist()
+
+        def at_contact(contact: int, body: int) -> tuple[float, float, float]:
+            p, q, r, u, v, w = twists[body]  # about the centre of mass of the whole robot
+            (x, y, z), (a, b, c) = points[contact], centres[self._roots[body]]
+            x, y, z = x - a, y - b, z - c
+            return u + q * z - r * y, v + r * x - p * z, w + p * y - q * x
+
+        return at_contact
 
 
 _WEDGED = 50.0
