@@ -311,7 +311,7 @@ register = IMPORTERS.register
 """Decorator of an importer, which is known by the suffixes of its files then."""
 
 
-_ESRI_START = re.compile(r"\s*ncols\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
+_ESRI_START = re.compile(r"\s*n(cols|rows)\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
 """The first line of a grid in Esri's ASCII format."""
 
 
