@@ -222,6 +222,16 @@ def test_a_laser_scan_in_degrees_says_how_to_project_it(
     assert str(refused.value) == f"{path}: its places are in degrees; write them in metres with `{command}`"
 
 
+def test_a_laser_scan_in_mercators_projection_says_how_to_project_it(tmp_path: Path) -> None:
+    web = geokeys(1024, 0, 1, 1, 3072, 0, 1, 3857, 3076, 0, 1, 9001)
+    las(tmp_path / "local.las", POINTS, web)
+    assert np.abs(read_clouds([tmp_path / "local.las"]).points - POINTS).max() < 1e-5
+    far = wkt(f'PROJCS["Web",{DEGREES},PROJECTION["Mercator_Auxiliary_Sphere"],UNIT["kilometre",1000]]')
+    las(tmp_path / "a.las", POINTS[:10] + np.array([1000, 8_399.738, 0]), far)
+    with pytest.raises(FileError, match=r"in Mercator's projection, .* as far apart as on the ground; .*EPSG:32632`"):
+        read_clouds([tmp_path / "a.las"])
+
+
 @pytest.mark.parametrize(
     ("records", "values", "scale"),
     [

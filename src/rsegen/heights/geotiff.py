@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, of_keys, refuse_degrees
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, of_keys, refuse_distorted
 from rsegen.input_files import xml_root
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _matrix(image: Image) -> Array | None:
 
 
 def sides(path: Path, image: Image) -> CellSides | None:
-    """Return the sides of the pixels of a GeoTIFF that is upright, None of another image; FileError for degrees."""
+    """Return the sides of the pixels of an upright GeoTIFF, None of another image; FileError for distorted ones."""
     import numpy as np
 
     tags, matrix = _tags(image), _matrix(image)
@@ -109,7 +109,7 @@ def sides(path: Path, image: Image) -> CellSides | None:
     else:
         place, (x, y) = corner[3:5], np.abs(scale[:2]) if len(scale) >= 2 else (0, 0)
     longitude, latitude = place if len(place) == 2 else (np.nan, np.nan)
-    refuse_degrees(path, system, (float(longitude), float(latitude)), IN_METRES)
+    refuse_distorted(path, system, (float(longitude), float(latitude)), IN_METRES)
     return CellSides(float(x), float(y), system.metres) if min(x, y) > 0 else None
 
 

@@ -27,7 +27,7 @@ from rsegen.heights.base import (
     refuse_too_many_cells,
     register,
 )
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_degrees
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_distorted
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
 from rsegen.params.sorts import Cell, Choice, parameters
@@ -209,11 +209,11 @@ def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:
 
 
 def _sides(path: Path, header: Mapping[str, str]) -> CellSides | None:
-    """Return the sides of the cells of a grid, None if its header does not say them; FileError for degrees."""
+    """Return the sides of the cells of a grid, None if its header does not say them; FileError for distorted ones."""
     system = beside(path)
     numbers = {name: float(text) for name, text in header.items() if _is_number(text)}
     place = numbers.get("xllcorner", numbers.get("xllcenter", 0)), numbers.get("yllcorner", numbers.get("yllcenter", 0))
-    refuse_degrees(path, system, place, IN_METRES)
+    refuse_distorted(path, system, place, IN_METRES)
     x, y = (numbers.get(name, numbers.get("cellsize", 0)) for name in ("dx", "dy"))
     return CellSides(x, y, system.metres) if min(x, y) > 0 else None
 

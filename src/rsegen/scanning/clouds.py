@@ -26,7 +26,7 @@ from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
 from rsegen.heights.base import is_esri_grid
-from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
+from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
 from rsegen.input_files import first_inside, numbers_of, open_regular, opened_image, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with
@@ -363,7 +363,7 @@ def _las(path: Path) -> tuple[Array, str]:
             with laspy.open(file) as reader:
                 _refuse_many(path, reader.header.point_count)
                 system = _las_system(reader.header)
-                refuse_degrees(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
+                refuse_distorted(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
                 points = np.asarray(reader.read().xyz, dtype=np.float64)
                 if len(points) < reader.header.point_count:
                     raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
