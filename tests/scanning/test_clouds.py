@@ -349,6 +349,16 @@ def test_depths_of_a_pgm_are_its_numbers_whatever_its_largest_is(largest: int, t
     assert cloud.points[:, 2] == pytest.approx(depth.ravel() / 1000)
 
 
+def test_faces_that_count_their_corners_backwards_are_where_they_are_in_the_file(tmp_path: Path) -> None:
+    low, high = ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", "v 2 0 1\nv 3 0 1\nv 3 1 1\nv 2 1 1\n")
+    (tmp_path / "a.obj").write_text(f"{low}f -4 -3 -2 -1\n{high}f -4 -3 -2 -1\n")
+    points = read_clouds([tmp_path / "a.obj"], up=(0, 0, 1)).points
+    is_low = points[:, 2] < 0.5
+    assert 0.4 < is_low.mean() < 0.6
+    assert points[is_low, 0].max() < 1.001
+    assert points[~is_low, 0].min() > 1.999
+
+
 def test_a_depth_image_wants_its_camera_and_points_want_none(tmp_path: Path) -> None:
     np.save(tmp_path / "depth.npy", depths())
     text(tmp_path / "points.xyz")

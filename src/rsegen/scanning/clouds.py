@@ -25,6 +25,7 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.geometry.obj_corners import counted_forwards
 from rsegen.heights.base import is_esri_grid
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
 from rsegen.input_files import first_inside, numbers_of, open_regular, opened_image, text_of
@@ -299,7 +300,8 @@ def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
             return trimesh.Trimesh(*read_collada(path), process=False)
         with open_regular(path) as file:
             beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
-            loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)
+            form = path.suffix[1:].lower()
+            loaded = trimesh.load(counted_forwards(path, file), file_type=form, resolver=beside)
         return loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
 
     loaded = read_with(SCAN, path, read)
