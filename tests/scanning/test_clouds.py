@@ -345,8 +345,23 @@ def test_depths_of_a_pgm_are_its_numbers_whatever_its_largest_is(largest: int, t
     depth = np.arange(1, 49).reshape(6, 8) * 4
     numbers = depth.astype(">u2" if largest > 255 else "u1")
     (tmp_path / "depth.pgm").write_bytes(f"P5\n8 6\n{largest}\n".encode() + numbers.tobytes())
-    cloud = read_clouds([tmp_path / "depth.pgm"], intrinsics=(5, 5, 2, 2))
+    values = None if largest > 255 else "mm"
+    cloud = read_clouds([tmp_path / "depth.pgm"], values, intrinsics=(5, 5, 2, 2))
     assert cloud.points[:, 2] == pytest.approx(depth.ravel() / 1000)
+
+
+@pytest.mark.parametrize("name", ["depth.png", "depth.npy"])
+def test_depths_of_8_bits_have_no_unit_by_themselves(name: str, tmp_path: Path) -> None:
+    depth, path = np.arange(1, 49, dtype=np.uint8).reshape(6, 8), tmp_path / name
+    if name.endswith("npy"):
+        np.save(path, depth)
+    else:
+        Image.fromarray(depth).save(path)
+    with pytest.raises(
+        ParameterError, match=rf"values: .*{name} has depths of 8 bits, too few for millimetres; set mm"
+    ):
+        read_clouds([path], intrinsics=(5, 5, 2, 2))
+    assert read_clouds([path], "cm", (5, 5, 2, 2)).points[:, 2] == pytest.approx(depth.ravel() / 100)
 
 
 def test_faces_that_count_their_corners_backwards_are_where_they_are_in_the_file(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ _POINTS = (b"v", b"vt", b"vn")
 
 
 def counted_forwards(path: Path, file: BufferedReader) -> IO[bytes]:
-    """Return a file of a mesh, mostly as it is, whose corners are counted from the first point, as trimesh takes them."""
+    """Return a file of a mesh, mostly as it is, with corners counted from the first point, as trimesh takes them."""
     if path.suffix.lower() != ".obj":
         return file
     content = file.read()

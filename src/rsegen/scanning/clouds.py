@@ -96,6 +96,9 @@ _MOST_COLUMNS, _OF_POINTS = 8, 20
 """Numbers of a point of an array at most, as x, y, z, intensity, and colours; and times as many points that it has at
 least: no depth image is so narrow."""
 
+_NO_UNIT = ""
+"""Unit of depths of 8 bits: up to 255 mm no camera measures, so they are in another unit, or shades for the eye."""
+
 Intrinsics = tuple[float, float, float, float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
 
@@ -145,6 +148,8 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     if values is not None and path.suffix.lower() == ".dae":
         raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
     numbers, usual = _READERS[form](path) if form != "bag" else (_bag(path, topic), "m")
+    if values is None and usual == _NO_UNIT:
+        raise ParameterError("values", f"{path} has depths of 8 bits, too few for millimetres; set mm, cm, m or in")
     metres = CENTIMETRES[values or usual] / 100
     if not isinstance(numbers, np.ndarray):
         numbers.apply_scale(metres)
@@ -219,7 +224,8 @@ def _array(path: Path) -> tuple[Array, str]:
     if array.ndim == 2 and array.shape[0] == 3 and array.shape[1] > _OF_POINTS:
         raise FileError(f"{path}: an array of shape {array.shape}; use its transpose, points (n, 3)")
     _refuse_many(path, array.size // 3)
-    return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
+    are_depths = array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu"
+    return np.asarray(array), ("mm" if array.itemsize > 1 else _NO_UNIT) if are_depths else "m"
 
 
 def _image(path: Path) -> tuple[Array, str]:
@@ -229,7 +235,7 @@ def _image(path: Path) -> tuple[Array, str]:
             raise FileError(
                 f"{path}: a {image.mode} image; expected a depth image of one channel (16 bit, millimetres)"
             )
-        return numbers_of(image), "m" if image.mode == "F" else "mm"
+        return numbers_of(image), {"F": "m", "L": _NO_UNIT}.get(image.mode, "mm")
 
 
 def _text(path: Path) -> tuple[Array, str]:
