@@ -13,10 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, of_keys, refuse_distorted
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, CoordinateSystem, of_keys, refuse_distorted
 from rsegen.input_files import xml_root
 
 if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
     import numpy as np
     from numpy.typing import NDArray
     from PIL.Image import Image
@@ -34,6 +36,15 @@ _KIND, _OF_MASK = 254, 4
 
 _MOST_IMAGES = 32
 """Images of a file at most among which a mask is looked for: smaller copies have half of the size each."""
+
+_METRES = {
+    **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
+    **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
+    **dict.fromkeys(("us survey foot", "us-ft", "ftus"), 1200 / 3937),
+    **dict.fromkeys(("cm", "centimetre"), 0.01),
+    **dict.fromkeys(("mm", "millimetre"), 0.001),
+}
+"""Metres of units of heights as GDAL's metadata name them."""
 
 _ORIENTATION = 0x0112
 """The tag of Exif that says which way up an image is."""
@@ -96,13 +107,25 @@ def _matrix(image: Image) -> Array | None:
     return matrix.reshape(4, 4) if len(matrix) == 16 else None
 
 
+def _system(image: Image) -> CoordinateSystem:
+    """Return the units that the keys of a GeoTIFF say."""
+    import numpy as np
+
+    return of_keys(*(np.ravel(_tags(image).get(tag, ())).tolist() for tag in (_GEO_KEYS, _DOUBLES)))
+
+
+def metres_up(path: Path, image: Image) -> float | None:
+    """Return metres of the unit of heights by the metadata of GDAL or the keys of a file; None if it says none."""
+    said = next((item.text for role, item in _items(path, image) if role == "unittype"), None) or ""
+    return _METRES.get(said.strip().lower(), _system(image).metres_up)
+
+
 def sides(path: Path, image: Image) -> CellSides | None:
     """Return the sides of the pixels of an upright GeoTIFF, None of another image; FileError for distorted ones."""
     import numpy as np
 
-    tags, matrix = _tags(image), _matrix(image)
-    scale, corner, keys, doubles = (np.ravel(tags.get(tag, ())) for tag in (_SCALE, _CORNER, _GEO_KEYS, _DOUBLES))
-    system = of_keys(keys.tolist(), doubles.tolist())
+    matrix, system = _matrix(image), _system(image)
+    scale, corner = (np.ravel(_tags(image).get(tag, ())) for tag in (_SCALE, _CORNER))
     if matrix is not None:
         place, (x, y) = matrix[:2, 3], np.linalg.norm(matrix[:2, :2], axis=0)
         x, y = (y, x) if turn_of(image).swapped else (x, y)
@@ -141,17 +164,19 @@ def refuse_mask(path: Path, image: Image) -> None:
 
 def as_heights(path: Path, image: Image, numbers: Array) -> Array:
     """Return the numbers of pixels as heights: by the factor and the sum that the file says, if it says any."""
-    said = dict(_scaling(path, str(_tags(image).get(_METADATA, ""))))
-    return numbers * said.get("scale", 1.0) + said.get("offset", 0.0)
-
-
-def _scaling(path: Path, metadata: str) -> Iterator[tuple[str, float]]:
-    """Yield the roles of GDAL's items on the first band that are numbers, and these; FileError if they are none."""
-    text = metadata.strip("\x00 \n")
-    for item in xml_root(text, f"{path}: GDAL_METADATA").iter("Item") if text else ():
-        role = item.get("role", "")
-        if role in ("scale", "offset") and item.get("sample", "0") == "0":
+    said = {"scale": 1.0, "offset": 0.0}
+    for role, item in _items(path, image):
+        if role in said:
             try:
-                yield role, float(item.text or "")
+                said[role] = float(item.text or "")
             except ValueError:
                 raise FileError(f"{path}: its {role} of heights, in GDAL_METADATA, is not a number") from None
+    return numbers * said["scale"] + said["offset"]
+
+
+def _items(path: Path, image: Image) -> Iterator[tuple[str, Element]]:
+    """Yield the items of GDAL's metadata on the first band that have a role, and it."""
+    text = str(_tags(image).get(_METADATA, "")).strip("\x00 \n")
+    for item in xml_root(text, f"{path}: GDAL_METADATA").iter("Item") if text else ():
+        if item.get("role") and item.get("sample", "0") == "0":
+            yield item.get("role", ""), item

@@ -11,7 +11,7 @@ is checked before an image is decoded, as a small file may hold a huge one.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -82,8 +82,9 @@ class Picture(Measured):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
-            heights, cells = self._heights_cm(path)
-            return self.measured(path, heights, unit_cm or USUAL_UNIT_CM, cells=cells)
+            heights, cells, metres_up = self._heights_cm(path)
+            measured = self.measured(path, heights, unit_cm or USUAL_UNIT_CM, cells=cells)
+            return replace(measured, metres_up=metres_up)
         grey = brightness(path, self.size)
         levels = self._levels(1 - grey if self.invert else grey)
         recipe_values: dict[str, object] = {}
@@ -91,10 +92,10 @@ class Picture(Measured):
             levels, recipe_values = _without_frames(levels, self.framed)
         return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
-    def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None]:
-        """Return the heights of all pixels, shape (n_x, n_y), and the sides of pixels if the file says them.
+    def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None, float | None]:
+        """Return the heights of all pixels, (n_x, n_y), and, if the file says them, the sides of pixels and its unit.
 
-        nan where a depth camera saw nothing, or for no data
+        The last is metres of the unit of heights. nan where a depth camera saw nothing, or for no data
         """
         import numpy as np
 
@@ -104,10 +105,11 @@ class Picture(Measured):
                 kinds = "a greyscale image of 16 bits or floating-point numbers"
                 raise FileError(f"{path}: {image.mode} pixels; heights and depths need {kinds}")
             cells, turn, depth_cm = geotiff.sides(path, image), geotiff.turn_of(image), _DEPTH_CM[image.mode == "F"]
+            metres_up = geotiff.metres_up(path, image)
             heights = turn.of(_known_heights(path, image))[::-1].T
         if self.camera_cm is None:
-            return heights * CENTIMETRES[self.values], cells
-        return np.where(heights == 0, np.nan, self.camera_cm - heights * depth_cm), cells
+            return heights * CENTIMETRES[self.values], cells, metres_up
+        return np.where(heights == 0, np.nan, self.camera_cm - heights * depth_cm), cells, None
 
     def _levels(self, grey: Array) -> Ints:
         """Return the levels of grey values, -1 where they are not known."""
