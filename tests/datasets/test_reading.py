@@ -198,6 +198,26 @@ def test_a_changed_byte_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[s
     found.verify()
 
 
+@pytest.mark.parametrize("damage", ["a byte", "longer", "empty", "gone"])
+def test_the_advice_for_a_damaged_file_repairs_it(
+    damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_dataset(RECIPE, tmp_path, shard_maps=6)
+    path = tmp_path / "levels-00001.npy"
+    content = path.read_bytes()
+    damaged = {"a byte": content[:-1] + b"\xff", "longer": content + b"x", "empty": b""}
+    path.write_bytes(damaged.get(damage, b""))
+    if damage == "gone":
+        path.unlink()
+    assert exit_code("dataset", "--verify", tmp_path) == 1
+    said = the_line(capsys.readouterr().err)
+    if "delete it, and " in said:
+        path.unlink()
+    assert said.endswith("the command that made the data set makes it again with --resume")
+    make_dataset(RECIPE, tmp_path, shard_maps=6, resume=True).verify()
+    assert path.read_bytes() == content
+
+
 def test_a_map_that_is_not_the_recipe_s_is_found(tmp_path: Path) -> None:
     make_dataset(RECIPE, tmp_path)
     text = (tmp_path / "manifest.json").read_text("utf-8")

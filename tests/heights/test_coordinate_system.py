@@ -35,6 +35,9 @@ UTM_2019 = """PROJCRS["WGS 84 / UTM zone 32N",
   BASEGEOGCRS["WGS 84",DATUM["W",ELLIPSOID["WGS 84",6378137,298.257,LENGTHUNIT["metre",1]]]],
   CONVERSION["UTM",METHOD["TM"],PARAMETER["False easting",500000,LENGTHUNIT["foot",0.3048]]],CS[Cartesian,2],
   AXIS["(E)",east,ORDER[1],LENGTHUNIT["kilometre",1000]],AXIS["(N)",north,LENGTHUNIT["kilometre",1000]]]"""
+MERCATOR = UTM.replace("Transverse_Mercator", "Mercator_1SP")
+MERCATOR_2019 = UTM_2019.replace('METHOD["TM"]', 'METHOD["Popular Visualisation Pseudo Mercator",ID["EPSG",1024]]')
+OBLIQUE = UTM.replace("Transverse_Mercator", "Hotine_Oblique_Mercator_Azimuth_Center")
 CENTRE_OF_EARTH = 'GEODCRS["WGS 84",DATUM["W"],CS[Cartesian,3],AXIS["(X)",geocentricX,LENGTHUNIT["metre",1]]]'
 
 
@@ -52,6 +55,13 @@ CENTRE_OF_EARTH = 'GEODCRS["WGS 84",DATUM["W"],CS[Cartesian,3],AXIS["(X)",geocen
         ("Projection    GEOGRAPHIC\nDatum WGS84\nUnits         DD\n", CoordinateSystem(is_geographic=True)),
         (UTM, CoordinateSystem(metres=1.0)),
         (UTM_2019, CoordinateSystem(metres=1000.0)),
+        (MERCATOR, CoordinateSystem(metres=1.0, is_mercator=True)),
+        (
+            UTM.replace("Transverse_Mercator", "Mercator_Auxiliary_Sphere"),
+            CoordinateSystem(metres=1.0, is_mercator=True),
+        ),
+        (MERCATOR_2019, CoordinateSystem(metres=1000.0, is_mercator=True)),
+        (OBLIQUE, CoordinateSystem(metres=1.0)),
         (f'COMPD_CS["both",{OHIO},{NAVD88}]', CoordinateSystem(metres=FOOT, metres_up=1.0)),
         ("Projection STATEPLANE\nUnits FEET\n", CoordinateSystem(metres=0.3048)),
         (CENTRE_OF_EARTH, CoordinateSystem()),
@@ -73,6 +83,9 @@ def test_the_units_of_a_text_in_wkt(text: str, wanted: CoordinateSystem) -> None
         ([1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 9], (7.0,), CoordinateSystem()),
         (METRES[:12], (), CoordinateSystem(metres=1.0)),
         ([*METRES[:11], 2154], (), CoordinateSystem()),
+        ([*METRES[:11], 3857, 3076, 0, 1, 9001], (), CoordinateSystem(metres=1.0, is_mercator=True)),
+        ([*METRES[:11], 32767, 3075, 0, 1, 7, 3076, 0, 1, 9001], (), CoordinateSystem(metres=1.0, is_mercator=True)),
+        ([*METRES[:11], 32767, 3075, 0, 1, 1, 3076, 0, 1, 9001], (), CoordinateSystem(metres=1.0)),
         (METRES[:11], (), CoordinateSystem()),
         ([], (), CoordinateSystem()),
     ],
@@ -110,6 +123,30 @@ def test_cells_in_degrees_are_refused_with_the_zone_to_project_them_to(tmp_path:
             heights_in(path, reading, 100)
         advice = f"its places are in degrees; write them in metres with `gdalwarp -t_srs {code} FILE NEW.tif`"
         assert str(refused.value) == f"{path}: {advice}"
+
+
+WEB = [*METRES[:11], 3857, 3076, 0, 1, 9001]
+
+
+def test_cells_in_mercators_projection_are_refused_where_they_are_larger_than_on_the_ground(tmp_path: Path) -> None:
+    north = geotiff(tmp_path / "north.tif", WEB, 1, 1, (1e6, 8_399_737.9))  # 60 degrees
+    grid = esri(tmp_path / "south.asc", "cellsize 1", MERCATOR)
+    grid.write_text(
+        grid.read_text().replace("corner -70.5", "corner -7.85e6").replace("corner -33.4", "corner -3.95e6")
+    )
+    for path, reading, larger, code in (
+        (north, Picture(values="m"), "2", "EPSG:32632"),
+        (grid, Table(values="m"), "1.198", "EPSG:32719"),
+    ):
+        with pytest.raises(FileError) as refused:
+            heights_in(path, reading, 100)
+        assert str(refused.value) == (
+            f"{path}: its places are in Mercator's projection, {larger} times as far apart as on the ground; "
+            f"write them in metres with `gdalwarp -t_srs {code} FILE NEW.tif`"
+        )
+    near_equator = geotiff(tmp_path / "local.tif", WEB, 1, 1, (0.0, 50.0))
+    read = heights_in(near_equator, Picture(values="m", any_heights=True), 100)
+    assert read.recipe_values["block_width_cm"] == 100
 
 
 @pytest.mark.parametrize(

@@ -142,6 +142,15 @@ def test_a_grid_of_esri_is_read_in_the_unit_that_is_given(tmp_path: Path, separa
         heights_in(path, Table(), 200)
 
 
+def test_a_grid_of_esri_without_a_number_for_no_data_has_that_of_its_definition(tmp_path: Path) -> None:
+    path = tmp_path / "ground.asc"
+    path.write_text("nrows 2\nncols 3\ncellsize 10\n0 10 -9999\n20 0 30\n", "utf-8")
+    read = heights_in(path, Table(values="cm", fill_holes=True), 10)
+    assert read.holes is not None
+    assert np.argwhere(read.holes).tolist() == [[2, 1]]
+    assert read.levels.tolist() == [[2, 0], [0, 1], [3, 1]]
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -149,6 +158,7 @@ def test_a_grid_of_esri_is_read_in_the_unit_that_is_given(tmp_path: Path, separa
         (GRID + "1 2 3 x", "'x'"),
         (GRID.replace("ncols 4", "ncols 99999999") + "1", "99999999 x 3 cells; from 1 up to"),
         ("ncols 4\n1 2 3 4", "no line nrows"),
+        ("nrows 4\n1 2 3 4", "no line ncols"),
     ],
 )
 def test_a_damaged_grid_of_esri_is_one_line(tmp_path: Path, content: str, said: str) -> None:

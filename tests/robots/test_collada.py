@@ -84,6 +84,21 @@ def test_lengths_are_in_the_unit_of_the_file_and_the_axis_that_points_up_is_left
     assert box_of(tmp_path, document(unit="")) == [0, 0, 0, 2, 1, 0]
 
 
+def test_ids_that_geometries_share_are_those_of_their_own_points(tmp_path: Path) -> None:
+    first = document().partition("<library_geometries>")[2].partition("</library_geometries>")[0]
+    second = first.replace('id="g"', 'id="h"').replace(
+        "0 0 0 9 2 0 0 9 2 1 0 9 0 1 0 9", "5 5 5 9 7 5 5 9 7 6 5 9 5 6 5 9"
+    )
+    both = document(NODE + "<node><instance_geometry url='#h'/></node>").replace(first, first + second)
+    assert both.count('id="v"') == 2
+    assert box_of(tmp_path, both) == [0, 0, 0, 7, 6, 5]
+    assert len(read_collada(tmp_path / "hull.dae").corners) == 4
+
+
+def test_a_node_may_have_the_id_of_its_geometry(tmp_path: Path) -> None:
+    assert box_of(tmp_path, document("<node id='g'><instance_geometry url='#g'/></node>")) == [0, 0, 0, 2, 1, 0]
+
+
 def test_a_robot_with_such_a_mesh_needs_no_size_and_stands_on_its_triangles(tmp_path: Path) -> None:
     downward = TRIANGLES.replace("0 1 2 0 2 3", "0 2 1 0 3 2")
     (tmp_path / "hull.dae").write_text(document(faces=downward, unit="<unit meter='0.1'/>"), "utf-8")

@@ -152,6 +152,43 @@ def test_the_points_of_a_file_come_back(name: str, tmp_path: Path) -> None:
     assert np.abs(read_clouds([tmp_path / name]).points - POINTS).max() < 1e-5
 
 
+@pytest.mark.parametrize(
+    ("titles", "order"),
+    [
+        ("id,Easting,Northing,Elevation", "-xyz"),
+        ("Easting,Northing,Elevation,Intensity", "xyz-"),
+        ("Points_Magnitude,Points_0,Points_1,Points_2", "-xyz"),
+        ("Points:2,Points:0,Points:1,Scalars", "zxy-"),
+        ("time,field.position.x,field.position.y,field.position.z", "-xyz"),
+        ("pos_z,pos_x,pos_y", "zxy"),
+        ("position.x,x,y,z", "-xyz"),
+    ],
+)
+def test_columns_of_other_titles_are_those_of_the_axes(titles: str, order: str, tmp_path: Path) -> None:
+    columns = {**dict(zip("xyz", POINTS.T, strict=True)), "-": np.arange(len(POINTS))}
+    table = np.column_stack([columns[axis] for axis in order])
+    np.savetxt(tmp_path / "a.csv", table, fmt="%.6f", delimiter=",", header=titles, comments="")
+    assert np.abs(read_clouds([tmp_path / "a.csv"]).points - POINTS).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("titles", "metres"),
+    [
+        ("x [mm];y [mm];z [mm]", 0.001),
+        ('"X(cm)";"Y(cm)";"Z(cm)"', 0.01),
+        ("x_mm;y_mm;z_mm", 0.001),
+        ("x/ft;y/ft;z/ft", 0.3048),
+        ("x [in];y;z", 0.0254),
+        ("x_in;y_in;z_in", 1),
+        ("x [m];y [m];z [m]", 1),
+    ],
+)
+def test_points_are_in_the_unit_that_the_titles_say(titles: str, metres: float, tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "a.csv", POINTS, fmt="%.6f", delimiter=";", header=titles, comments="")
+    assert np.abs(read_clouds([tmp_path / "a.csv"]).points - POINTS * metres).max() < 1e-5
+    assert np.abs(read_clouds([tmp_path / "a.csv"], values="cm").points - POINTS / 100).max() < 1e-5
+
+
 def test_several_files_are_one_cloud_in_the_unit_that_is_given(tmp_path: Path) -> None:
     text(tmp_path / "a.xyz")
     np.save(tmp_path / "b.npy", POINTS)
@@ -183,6 +220,16 @@ def test_a_laser_scan_in_degrees_says_how_to_project_it(
     with pytest.raises(FileError) as refused:
         read_clouds([path])
     assert str(refused.value) == f"{path}: its places are in degrees; write them in metres with `{command}`"
+
+
+def test_a_laser_scan_in_mercators_projection_says_how_to_project_it(tmp_path: Path) -> None:
+    web = geokeys(1024, 0, 1, 1, 3072, 0, 1, 3857, 3076, 0, 1, 9001)
+    las(tmp_path / "local.las", POINTS, web)
+    assert np.abs(read_clouds([tmp_path / "local.las"]).points - POINTS).max() < 1e-5
+    far = wkt(f'PROJCS["Web",{DEGREES},PROJECTION["Mercator_Auxiliary_Sphere"],UNIT["kilometre",1000]]')
+    las(tmp_path / "a.las", POINTS[:10] + np.array([1000, 8_399.738, 0]), far)
+    with pytest.raises(FileError, match=r"in Mercator's projection, .* as far apart as on the ground; .*EPSG:32632`"):
+        read_clouds([tmp_path / "a.las"])
 
 
 @pytest.mark.parametrize(
@@ -272,6 +319,9 @@ NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "r.npy": (lambda path: np.save(path, np.ones((3, 900))), "use its transpose"),
     "s.csv": (damaged(b"0,033,-0,566,0,000\n0,317,-0,333,0,400\n"), "write semicolons or blanks between them"),
     "t.csv": (damaged(b"x,y,height\n1,2,3\n"), "0 of the titles 'x,y,height' name the column of z"),
+    "ta.csv": (damaged(b"id,a,b,c\n7,1,2,3\n"), "none of the titles 'id,a,b,c' name the columns of x, y and z; name"),
+    "tb.csv": (damaged(b"n,pos.x,pos.y,pos.z,v.x\n7,1,2,3,4\n"), "2 of the titles 'n,pos.x,pos.y,pos.z,v.x' name the "),
+    "tc.csv": (damaged(b"x [mm],y [mm],z [m]\n1,2,3\n"), "x, y and z are in m and mm; write all three in one unit"),
     "u.pcd": (damaged(PCD.replace(b"x y z", b"u v w")), "no field x among u, v, w"),
     "l.png": (damaged(b"no image"), "not an image"),
     "m.png": (lambda path: Image.new("RGB", (4, 4)).save(path), "expected a depth image of one channel"),
@@ -288,6 +338,40 @@ def test_an_invalid_cloud_is_refused_in_one_line(name: str, tmp_path: Path) -> N
         read_clouds([tmp_path / name], intrinsics=None)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("largest", [200, 255, 300, 4095, 65535])
+def test_depths_of_a_pgm_are_its_numbers_whatever_its_largest_is(largest: int, tmp_path: Path) -> None:
+    depth = np.arange(1, 49).reshape(6, 8) * 4
+    numbers = depth.astype(">u2" if largest > 255 else "u1")
+    (tmp_path / "depth.pgm").write_bytes(f"P5\n8 6\n{largest}\n".encode() + numbers.tobytes())
+    values = None if largest > 255 else "mm"
+    cloud = read_clouds([tmp_path / "depth.pgm"], values, intrinsics=(5, 5, 2, 2))
+    assert cloud.points[:, 2] == pytest.approx(depth.ravel() / 1000)
+
+
+@pytest.mark.parametrize("name", ["depth.png", "depth.npy"])
+def test_depths_of_8_bits_have_no_unit_by_themselves(name: str, tmp_path: Path) -> None:
+    depth, path = np.arange(1, 49, dtype=np.uint8).reshape(6, 8), tmp_path / name
+    if name.endswith("npy"):
+        np.save(path, depth)
+    else:
+        Image.fromarray(depth).save(path)
+    with pytest.raises(
+        ParameterError, match=rf"values: .*{name} has depths of 8 bits, too few for millimetres; set mm"
+    ):
+        read_clouds([path], intrinsics=(5, 5, 2, 2))
+    assert read_clouds([path], "cm", (5, 5, 2, 2)).points[:, 2] == pytest.approx(depth.ravel() / 100)
+
+
+def test_faces_that_count_their_corners_backwards_are_where_they_are_in_the_file(tmp_path: Path) -> None:
+    low, high = ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", "v 2 0 1\nv 3 0 1\nv 3 1 1\nv 2 1 1\n")
+    (tmp_path / "a.obj").write_text(f"{low}f -4 -3 -2 -1\n{high}f -4 -3 -2 -1\n")
+    points = read_clouds([tmp_path / "a.obj"], up=(0, 0, 1)).points
+    is_low = points[:, 2] < 0.5
+    assert 0.4 < is_low.mean() < 0.6
+    assert points[is_low, 0].max() < 1.001
+    assert points[~is_low, 0].min() > 1.999
 
 
 def test_a_depth_image_wants_its_camera_and_points_want_none(tmp_path: Path) -> None:

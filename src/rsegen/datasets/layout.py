@@ -302,23 +302,24 @@ def _shard(layout: ShardLayout, number: int, entry: object) -> Shard:
     return Shard(number=number, files=files)
 
 
+_REPAIR = "the command that made the data set makes it again with resume=True"
+
+
 def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file that is missing, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
         size = path.stat().st_size if path.is_file() else None
         if size != part.bytes:
             problem = "is missing" if size is None else f"has {size} bytes, and the manifest says {part.bytes}"
-            raise DatasetDamaged(f"{path}: {problem}; the command that made the data set repairs it with resume=True")
+            advice = f"delete it, and {_REPAIR}" if size else _REPAIR  # an empty file is made again as it is
+            raise DatasetDamaged(f"{path}: {problem}; {advice}")
 
 
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file with a wrong checksum."""
     for path, part in _files(folder, layout, shards):
         if checksum_of(path) != part:
-            raise DatasetDamaged(
-                f"{path}: has changed, its checksum is wrong; "
-                "the command that made the data set repairs it with resume=True"
-            )
+            raise DatasetDamaged(f"{path}: has changed, its checksum is wrong; delete it, and {_REPAIR}")
 
 
 def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Checksum]]:

@@ -9,7 +9,8 @@ skins of controllers, strips and fans of triangles, and splines are left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from math import radians
 from pathlib import Path
 from types import MappingProxyType
@@ -60,7 +61,7 @@ class _Scene:
 
     def __init__(self, root: Element) -> None:
         self._root = root
-        self._ids = {f"#{element.get('id')}": element for element in root.iter() if element.get("id")}
+        self._known = _by_id(root)
         self._geometries: dict[str, list[Triangles]] = {}
         self._nodes, self._triangles = _MOST, _MOST_TRIANGLES
 
@@ -70,7 +71,7 @@ class _Scene:
         scale = np.diag([*[float(unit.get("meter", "1")) if unit is not None else 1.0] * 3, 1.0])
         scene = self._root.find("scene/instance_visual_scene")
         if scene is not None:
-            for node in self._ids[scene.get("url", "")].findall("node"):
+            for node in self._known["visual_scene", scene.get("url", "")].findall("node"):
                 yield from self._of_node(node, scale)
 
     def _of_node(self, node: Element, above: Array) -> Iterator[Triangles]:
@@ -84,13 +85,13 @@ class _Scene:
             elif element.tag == "node":
                 yield from self._of_node(element, place)
             elif element.tag == "instance_node":
-                yield from self._of_node(self._ids[element.get("url", "")], place)
+                yield from self._of_node(self._known["node", element.get("url", "")], place)
             elif element.tag == "instance_geometry":
                 yield from self._of_instance(element.get("url", ""), place)
 
     def _of_instance(self, url: str, place: Array) -> Iterator[Triangles]:
         if url not in self._geometries:
-            self._geometries[url] = list(self._of_geometry(self._ids[url]))
+            self._geometries[url] = list(self._of_geometry(self._known["geometry", url]))
         for points, corners in self._geometries[url]:
             self._triangles -= max(len(points), len(corners))
             if self._triangles < 0:
@@ -99,6 +100,7 @@ class _Scene:
 
     def _of_geometry(self, geometry: Element) -> Iterator[Triangles]:
         """Yield the triangles of a geometry, those of each list of faces on their own."""
+        known = ChainMap(_by_id(geometry), self._known)  # some programs give each geometry's points one id
         for faces in geometry.iterfind("mesh/*"):
             if faces.tag not in ("triangles", "polylist", "polygons"):
                 continue
@@ -112,19 +114,33 @@ class _Scene:
             corners = [ring.reshape(-1, 3) if faces.tag == "triangles" else _fan(ring) for ring in rings]
             joined = np.concatenate(corners) if corners else np.zeros((0, 3), dtype=np.int64)
             if joined.size:
-                points = self._points(inputs["VERTEX"])
+                points = _points(inputs["VERTEX"], known)
                 if not 0 <= joined.min() <= joined.max() < len(points):
                     raise ValueError("a corner of a triangle is no point")
                 yield Triangles(points, joined)
 
-    def _points(self, vertex: Element) -> Array:
-        """Return the points, (n, 3), of an input VERTEX, in the unit of the file."""
-        vertices = self._ids[vertex.get("source", "")]
-        (position,) = vertices.findall("input[@semantic='POSITION']")
-        accessor = next(self._ids[position.get("source", "")].iterfind("technique_common/accessor"))
-        values = _numbers(self._ids[accessor.get("source", "")])[int(accessor.get("offset", "0")) :]
-        stride = int(accessor.get("stride", "1"))
-        return values[: len(values) // stride * stride].reshape(-1, stride)[:, :3]
+
+_ById = MutableMapping[tuple[str, str], Element]
+"""Elements by their tag and #id: programs give a node and its geometry one id, though none may be there twice."""
+
+
+def _by_id(root: Element) -> _ById:
+    """Return the elements in another one that have an id; the first of those of one tag and id, as in Gazebo."""
+    known: _ById = {}
+    for element in root.iter():
+        if name := element.get("id"):
+            known.setdefault((element.tag, f"#{name}"), element)
+    return known
+
+
+def _points(vertex: Element, known: _ById) -> Array:
+    """Return the points, (n, 3), of an input VERTEX, in the unit of the file."""
+    vertices = known["vertices", vertex.get("source", "")]
+    (position,) = vertices.findall("input[@semantic='POSITION']")
+    accessor = next(known["source", position.get("source", "")].iterfind("technique_common/accessor"))
+    values = _numbers(known["float_array", accessor.get("source", "")])[int(accessor.get("offset", "0")) :]
+    stride = int(accessor.get("stride", "1"))
+    return values[: len(values) // stride * stride].reshape(-1, stride)[:, :3]
 
 
 def _fan(ring: Ints) -> Ints:

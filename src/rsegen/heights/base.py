@@ -202,6 +202,7 @@ class Heights:
 
     errors_cm, holes: (n_x, n_y), by how much each height is above its level, and which cells were filled, if known.
     sides: of blocks, if the file says how wide its cells are; in `recipe_values` too if they are squares of known size.
+    metres_up: of the unit of heights, if the file says it, whatever unit they were read in.
     levels of -1 are of cells that the file does not know: they have no block, and the matrix leaves them as they are.
     """
 
@@ -211,6 +212,7 @@ class Heights:
     errors_cm: Array | None = None
     holes: Mask | None = None
     sides: CellSides | None = None
+    metres_up: float | None = None
 
     @property
     def unknown(self) -> int:
@@ -311,7 +313,7 @@ register = IMPORTERS.register
 """Decorator of an importer, which is known by the suffixes of its files then."""
 
 
-_ESRI_START = re.compile(r"\s*ncols\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
+_ESRI_START = re.compile(r"\s*n(cols|rows)\s+\d+\s*$", re.IGNORECASE | re.MULTILINE)
 """The first line of a grid in Esri's ASCII format."""
 
 

@@ -65,7 +65,8 @@ def run_import(arguments: argparse.Namespace) -> Report:
     settled = {
         name: sorts[name].check(name, given_values[name]) for name in ("unit_cm", "chunk_size") if name in given_values
     }
-    heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
+    reading = _reading(importer_for(path), arguments)
+    heights = heights_in(path, reading, settled.get("unit_cm"))
     recipe = with_flags(recipe_of_heights(path, heights, settled.get("chunk_size")), arguments)
     if picture and heights.rounding is None:
         raise ParameterError("--errors", f"{path} has levels, which are not rounded")
@@ -77,7 +78,22 @@ def run_import(arguments: argparse.Namespace) -> Report:
         notes.append(
             f"{counted(heights.unknown, 'cell')} transparent or without data, so unknown: no block stands there"
         )
+    notes += _other_unit(heights, getattr(reading, "values", ""))
     return replace(report, notes=[*notes, *_width(heights, recipe, is_given="block_width_cm" in given_values)])
+
+
+_SAME_UNIT = 1e-4
+"""Share by which two units differ that count as one, such as both kinds of feet."""
+
+
+def _other_unit(heights: Heights, values: str) -> Iterator[str]:
+    """Yield a line if the file says that its heights are in another unit than in the one that the user says."""
+    from rsegen.heights.base import CENTIMETRES
+
+    said, read = heights.metres_up, CENTIMETRES.get(values, 0) / 100
+    if said and read and abs(read / said - 1) > _SAME_UNIT:
+        unit = decimal(round(said, 6))
+        yield f"warning: heights are read in {values}, and by the file their unit is {unit} m (--values)"
 
 
 def _width(heights: Heights, recipe: Recipe, *, is_given: bool) -> Iterator[str]:

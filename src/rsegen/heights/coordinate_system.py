@@ -2,15 +2,16 @@
 
 A GeoTIFF and a laser scan (LAS) name the system by the same keys (OGC 19-008, GeoTIFF 1.1) or by a text in WKT, of both
 versions (OGC 01-009, ISO 19162); Esri's files have the text next to them, in NAME.prj. Only what blocks need is read:
-whether places are longitudes and latitudes, and the lengths of the units of x and y, and of heights. It projects
-nothing.
+whether places are longitudes and latitudes, or in Mercator's projection, which maps on the web have and which makes the
+ground 1 / cos(latitude) times as large (Snyder 1987); and the lengths of the units of x and y, and of heights. It
+projects nothing.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from math import isfinite
+from math import atan, cos, degrees, isfinite, radians, sinh
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,6 +29,20 @@ _MODEL_TYPE, _SYSTEM, _UNIT, _UNIT_SIZE, _UNIT_UP = 1024, 3072, 3076, 3077, 4099
 
 _ZONES = (*range(32601, 32661), *range(32701, 32761), *range(25828, 25839))
 """Codes of EPSG of the zones of UTM, of WGS 84 and of ETRS89: in metres, which MATLAB takes to be known."""
+
+_MERCATORS, _PROJECTION, _MERCATOR = (3857, 3395, 3785, 41001, 54004), 3075, 7
+"""Codes of systems in Mercator's projection (EPSG, and older ones); the key of GeoTIFF for a projection, and its value.
+
+Those of UTM are in the transverse one, and true to scale.
+"""
+
+_MERCATOR_IN_WKT = re.compile(
+    r'\b(PROJECTION|METHOD)\s*[\[(]\s*"(?![^"]*(transverse|oblique))[^"]*mercator', re.IGNORECASE
+)
+"""That projection in WKT."""
+
+_RADIUS, _AS_LARGE = 6_378_137.0, 1.001
+"""The radius of the Earth in Mercator's projection, metres, and the enlargement up to which it does not count."""
 
 _GEOGRAPHIC, _DOUBLES = 2, 34736
 """The type of a system of longitudes and latitudes, and the tag with the values of keys that are no integers."""
@@ -54,11 +69,15 @@ _DEEPEST = 30
 
 
 class CoordinateSystem(NamedTuple):
-    """The units of places and heights: whether places are in degrees, and metres of the units, None if not known."""
+    """The units of places and heights: whether places are in degrees, and metres of the units, None if not known.
+
+    is_mercator: whether places are in Mercator's projection
+    """
 
     is_geographic: bool = False
     metres: float | None = None
     metres_up: float | None = None
+    is_mercator: bool = False
 
 
 class CellSides(NamedTuple):
@@ -90,7 +109,8 @@ def of_keys(keys: Sequence[int], doubles: Sequence[float] = ()) -> CoordinateSys
     size = _length(values.get(_UNIT_SIZE))
     unit = values.get(_UNIT, _METRE if values.get(_SYSTEM) in _ZONES else 0)
     metres = None if is_geographic else _METRES.get(int(unit), size)
-    return CoordinateSystem(is_geographic, metres, _METRES.get(int(values.get(_UNIT_UP, 0))))
+    is_mercator = values.get(_SYSTEM) in _MERCATORS or values.get(_PROJECTION) == _MERCATOR
+    return CoordinateSystem(is_geographic, metres, _METRES.get(int(values.get(_UNIT_UP, 0))), is_mercator)
 
 
 def of_wkt(text: str) -> CoordinateSystem:
@@ -115,7 +135,8 @@ def of_wkt(text: str) -> CoordinateSystem:
             if length is not None:
                 lengths.setdefault(system in _UPWARDS, length)
     is_geographic = not seen & _PLANE and bool(seen & _OF_DEGREES or (seen & _OF_EITHER and "ellipsoidal" in words))
-    return CoordinateSystem(is_geographic, lengths.get(False), lengths.get(True))
+    is_mercator = bool(_MERCATOR_IN_WKT.search(text[:_MOST_BYTES]))
+    return CoordinateSystem(is_geographic, lengths.get(False), lengths.get(True), is_mercator)
 
 
 def beside(path: Path) -> CoordinateSystem:
@@ -124,14 +145,21 @@ def beside(path: Path) -> CoordinateSystem:
     return of_wkt(content.decode("utf-8", "replace"))
 
 
-def refuse_degrees(path: Path, system: CoordinateSystem, place: tuple[float, float], command: str) -> None:
-    """Raise a FileError for a file whose places are longitudes and latitudes: their degrees are not equally long.
+def refuse_distorted(path: Path, system: CoordinateSystem, place: tuple[float, float], command: str) -> None:
+    """Raise a FileError for a file whose places are no metres of the ground: they are degrees, or as Mercator's.
 
-    place: longitude and latitude of any of them; command: what projects it, with `{}` for its system.
+    place: x and y of any of them; command: what projects it, with `{}` for its system.
     """
     if system.is_geographic:
-        advice = command.format(f"EPSG:{_utm(*place)}")
-        raise FileError(f"{path}: its places are in degrees; write them in metres with `{advice}`")
+        longitude, latitude, what = *place, "are in degrees"
+    else:
+        x, y = (along * (system.metres or 1) / _RADIUS for along in place)
+        longitude, latitude, what = degrees(x), degrees(atan(sinh(max(min(y, 9.0), -9.0)))), ""
+        if system.is_mercator and (larger := 1 / cos(radians(latitude))) > _AS_LARGE:
+            what = f"are in Mercator's projection, {larger:.4g} times as far apart as on the ground"
+    if what:
+        advice = command.format(f"EPSG:{_utm(longitude, latitude)}")
+        raise FileError(f"{path}: its places {what}; write them in metres with `{advice}`")
 
 
 def _utm(longitude: float, latitude: float) -> str:

@@ -2,8 +2,8 @@
 
 Grey values become evenly spaced levels; a cell of another size than a pixel has the mean of the area that it covers,
 exactly. Where an image is transparent nothing is known. Heights of terrain are whole numbers or floating-point ones, in
-a unit that no image says; a pixel of the value that a GeoTIFF gives as no data is a hole. A depth camera that looks
-straight down from a height c sees heights c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as
+a unit that no image says; a pixel without data in a GeoTIFF is a hole. A depth camera that looks straight down from a
+height c sees heights c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as
 map_server and Nav2 write them) has a wall where the probability, high for dark pixels, is above its threshold. The size
 is checked before an image is decoded, as a small file may hold a huge one.
 """
@@ -11,15 +11,16 @@ is checked before an image is decoded, as a small file may hold a huge one.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.heights import geotiff
 from rsegen.heights.base import CENTIMETRES, USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, of_keys, refuse_degrees
+from rsegen.heights.coordinate_system import CellSides
 from rsegen.heights.measured import Measured
-from rsegen.input_files import opened_image
+from rsegen.input_files import numbers_of, opened_image
 from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Picture(Measured):
-    """A grey image, white the highest, or heights, or depths in mm; colours by brightness, transparent unknown."""
+    """A grey image, white the highest, or heights, or depths; colours by brightness, transparent unknown."""
 
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
@@ -61,7 +62,7 @@ class Picture(Measured):
         Choice(
             ("grey", *CENTIMETRES, "depth"),
             help="meaning of the pixels: grey, shares of the highest level; cm, mm, m or in, heights in this unit; "
-            "depth, distances in mm from a level camera, 0 for none",
+            "depth, distances from a level camera in mm, or m if they are floating-point numbers, 0 for none",
         ),
     ] = "grey"
     camera_cm: Annotated[
@@ -81,8 +82,9 @@ class Picture(Measured):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
-            heights, cells = self._heights_cm(path)
-            return self.measured(path, heights, unit_cm or USUAL_UNIT_CM, cells=cells)
+            heights, cells, metres_up = self._heights_cm(path)
+            measured = self.measured(path, heights, unit_cm or USUAL_UNIT_CM, cells=cells)
+            return replace(measured, metres_up=metres_up)
         grey = brightness(path, self.size)
         levels = self._levels(1 - grey if self.invert else grey)
         recipe_values: dict[str, object] = {}
@@ -90,10 +92,10 @@ class Picture(Measured):
             levels, recipe_values = _without_frames(levels, self.framed)
         return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
-    def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None]:
-        """Return the heights of all pixels, shape (n_x, n_y), and the sides of pixels if the file says them.
+    def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None, float | None]:
+        """Return the heights of all pixels, (n_x, n_y), and, if the file says them, the sides of pixels and its unit.
 
-        nan where a depth camera saw nothing, or for no data
+        The last is metres of the unit of heights. nan where a depth camera saw nothing, or for no data
         """
         import numpy as np
 
@@ -102,14 +104,12 @@ class Picture(Measured):
             if not image.mode.startswith(("I", "F")):
                 kinds = "a greyscale image of 16 bits or floating-point numbers"
                 raise FileError(f"{path}: {image.mode} pixels; heights and depths need {kinds}")
-            numbers = np.asarray(image.convert("F" if image.mode == "F" else "I"), dtype=np.float64)[::-1].T
-            none, cells = (_no_data(image), image.info.get("transparency")), _sides(path, image)
-        for value in none:
-            if isinstance(value, int | float):
-                numbers = np.where(np.isclose(numbers, value, rtol=1e-6, atol=0), np.nan, numbers)
+            cells, turn, depth_cm = geotiff.sides(path, image), geotiff.turn_of(image), _DEPTH_CM[image.mode == "F"]
+            metres_up = geotiff.metres_up(path, image)
+            heights = turn.of(_known_heights(path, image))[::-1].T
         if self.camera_cm is None:
-            return numbers * CENTIMETRES[self.values], cells
-        return np.where(numbers == 0, np.nan, self.camera_cm - numbers / 10), cells
+            return heights * CENTIMETRES[self.values], cells, metres_up
+        return np.where(heights == 0, np.nan, self.camera_cm - heights * depth_cm), cells, None
 
     def _levels(self, grey: Array) -> Ints:
         """Return the levels of grey values, -1 where they are not known."""
@@ -121,6 +121,24 @@ class Picture(Measured):
         else:
             levels = np.floor(grey * top + 0.5 + 1e-9)  # halves up, whatever the last bit of a share is
         return np.where(np.isnan(grey), -1, levels).astype(np.int32)
+
+
+_DEPTH_CM = (0.1, 100.0)
+"""Centimetres of the depths in an image of whole numbers, and in one of floating-point numbers (REP 118 of ROS)."""
+
+
+def _known_heights(path: Path, image: Image) -> Array:
+    """Return the heights of the pixels of an image, (rows, columns), in its unit; nan without data."""
+    import numpy as np
+
+    numbers = numbers_of(image)
+    holes = np.zeros(numbers.shape, dtype=bool)
+    for value in (geotiff.no_data(image), image.info.get("transparency")):
+        if isinstance(value, int | float):
+            holes |= np.isclose(numbers, value, rtol=1e-6, atol=0)
+    heights = geotiff.as_heights(path, image, numbers)
+    geotiff.refuse_mask(path, image)
+    return np.where(holes, np.nan, heights)
 
 
 def _without_frames(levels: Ints, blocks: Cell) -> tuple[Ints, dict[str, object]]:
@@ -161,10 +179,12 @@ def brightness(path: Path, size: Cell | None = None, *, alike: bool = False) -> 
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
+        turn = geotiff.turn_of(image)
         rows, white, opaque_rows = _grey(path, image, alike=alike)
+        geotiff.refuse_mask(path, image)
 
     def means(of_pixels: Ints) -> Array:
-        values = of_pixels[::-1].T
+        values = turn.of(of_pixels)[::-1].T
         return area_means(values, size) if size else values.astype(np.float64)
 
     if opaque_rows is None:
@@ -194,41 +214,6 @@ def area_means(values: Ints, size: Cell) -> Array:
     return np.asarray(sums / float(values.size))
 
 
-_NO_DATA = 42113
-"""The tag of a GeoTIFF with the value of pixels that have none, as a text (GDAL_NODATA)."""
-
-_SCALE, _CORNER, _MATRIX, _GEO_KEYS, _DOUBLES = 33550, 33922, 34264, 34735, 34736
-"""Tags of a GeoTIFF: sides of a pixel; the place of one; or a matrix (4, 4) from pixels to places; and its keys."""
-
-
-def _sides(path: Path, image: Image) -> CellSides | None:
-    """Return the sides of the pixels of a GeoTIFF, None of another image; FileError for degrees."""
-    import numpy as np
-
-    tags = getattr(image, "tag_v2", {})
-    scale, corner, matrix, keys, doubles = (
-        np.ravel(tags.get(tag, ())) for tag in (_SCALE, _CORNER, _MATRIX, _GEO_KEYS, _DOUBLES)
-    )
-    system = of_keys(keys.tolist(), doubles.tolist())
-    if len(matrix) == 16:
-        rows = matrix.reshape(4, 4)
-        place, (x, y) = rows[:2, 3], np.linalg.norm(rows[:2, :2], axis=0)
-    else:
-        place, (x, y) = corner[3:5], scale[:2] if len(scale) >= 2 else (0, 0)
-    longitude, latitude = place if len(place) == 2 else (np.nan, np.nan)
-    refuse_degrees(path, system, (float(longitude), float(latitude)), IN_METRES)
-    return CellSides(float(x), float(y), system.metres) if min(x, y) > 0 else None
-
-
-def _no_data(image: Image) -> float | None:
-    """Return the value of pixels without data in an image, None if it gives none."""
-    text = getattr(image, "tag_v2", {}).get(_NO_DATA)
-    try:
-        return float(str(text).strip("\x00 "))
-    except ValueError:
-        return None
-
-
 def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints | None]:
     """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque.
 
@@ -236,7 +221,7 @@ def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints |
     """
     import numpy as np
 
-    none = _no_data(image)
+    none = geotiff.no_data(image)
     if image.mode == "F":
         low, high = image.getextrema()
         raise FileError(f"{path}: floating-point numbers of {low:g}..{high:g} have no white; set {_THEIR_UNIT}")

@@ -27,7 +27,7 @@ from rsegen.heights.base import (
     refuse_too_many_cells,
     register,
 )
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_degrees
+from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_distorted
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
 from rsegen.params.sorts import Cell, Choice, parameters
@@ -179,6 +179,10 @@ _ESRI_LINE = re.compile(
 """A line of the header of a grid in Esri's ASCII format."""
 
 
+_ESRI_NO_DATA = "-9999"
+"""The number that stands for no data in a grid whose header gives none, by Esri's definition."""
+
+
 def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:
     """Return the numbers of a grid, shape (n_x, n_y), nan where it has none, and the sides of its cells.
 
@@ -191,11 +195,12 @@ def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:
         values[line[1].lower()], at = line[2], line.end()
     numbers = text[at:].split(None, MOST_CELLS)
     try:
-        n_x, n_y, none = int(values["ncols"]), int(values["nrows"]), float(values.get("nodata_value", "nan"))
+        n_x, n_y, none = int(values["ncols"]), int(values["nrows"]), float(values.get("nodata_value", _ESRI_NO_DATA))
         refuse_too_many_cells(path, n_x, n_y)
         cells = np.array(numbers, dtype=np.float64)
     except KeyError:
-        raise FileError(f"{path}: no line nrows in the header of the grid") from None
+        missing = next(name for name in ("ncols", "nrows") if name not in values)
+        raise FileError(f"{path}: no line {missing} in the header of the grid") from None
     except ValueError as error:
         raise FileError(f"{path}: {library_message(error)}") from None
     if len(cells) != n_x * n_y:
@@ -204,11 +209,11 @@ def _of_esri_grid(path: Path, text: str) -> tuple[Array, CellSides | None]:
 
 
 def _sides(path: Path, header: Mapping[str, str]) -> CellSides | None:
-    """Return the sides of the cells of a grid, None if its header does not say them; FileError for degrees."""
+    """Return the sides of the cells of a grid, None if its header does not say them; FileError for distorted ones."""
     system = beside(path)
     numbers = {name: float(text) for name, text in header.items() if _is_number(text)}
     place = numbers.get("xllcorner", numbers.get("xllcenter", 0)), numbers.get("yllcorner", numbers.get("yllcenter", 0))
-    refuse_degrees(path, system, place, IN_METRES)
+    refuse_distorted(path, system, place, IN_METRES)
     x, y = (numbers.get(name, numbers.get("cellsize", 0)) for name in ("dx", "dy"))
     return CellSides(x, y, system.metres) if min(x, y) > 0 else None
 

@@ -18,6 +18,7 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, Triangles, read_collada
+from rsegen.geometry.obj_corners import counted_forwards
 from rsegen.input_files import open_regular, read_by_library
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")
@@ -62,7 +63,7 @@ def read_mesh(path: Path) -> Triangles:
             else:
                 refuse_large(path, os.fstat(file.fileno()).st_size)
                 form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-                mesh = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
+                mesh = trimesh.load(counted_forwards(path, file), file_type=form, resolver=resolver, force="mesh")
         if not len(mesh.faces):
             raise FileError(f"{path}: has no triangles")
         return Triangles(np.asarray(mesh.vertices), np.asarray(mesh.faces))

@@ -25,9 +25,10 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
+from rsegen.geometry.obj_corners import counted_forwards
 from rsegen.heights.base import is_esri_grid
-from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_degrees
-from rsegen.input_files import first_inside, open_regular, opened_image, text_of
+from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
+from rsegen.input_files import first_inside, numbers_of, open_regular, opened_image, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with
 from rsegen.params.sorts import CENTIMETRES
@@ -71,8 +72,19 @@ _CUT_NUMBER = re.compile(r"\d,0\d")
 _LOOKED_AT = 1000
 """Lines by which it is known what their commas are."""
 
-_OF_AXIS = re.compile(r"^([xyz])\s*(?:[\[(/_ ].*)$")
-"""The title of a column with its unit."""
+_OF_AXIS = re.compile(r"^([xyz])\s*(?:[\[(/_ ].*)?$")
+_UNIT = re.compile(r"[\[(/]\s*(mm|cm|m|in|ft)\s*[\])]?$|_(mm|cm|m)$")
+"""The title of the column of an axis, and the unit at its end, if it has one: x, x [m], x(in), x_mm."""
+
+_OTHER_TITLES = (
+    {"easting": "x", "northing": "y", "elevation": "z", "height": "z", "altitude": "z"},
+    {"points:0": "x", "points:1": "y", "points:2": "z"},  # ParaView
+    {"points_0": "x", "points_1": "y", "points_2": "z"},
+)
+"""Other titles of the columns of x, y and z, as programs of surveyors and ParaView write them."""
+
+_IN_A_NAME = re.compile(r"^.*[._ ]([xyz])$")
+"""The title of a part of something, as position.x or pos_x."""
 
 _OCTOMAPS = (".bt", ".ot")
 """Endings of files with octrees, whose tools make clouds of them."""
@@ -83,6 +95,9 @@ _COLLADA_UP, _ALONG = re.compile(r"<up_axis>\s*([XYZ])_UP"), 0.9
 _MOST_COLUMNS, _OF_POINTS = 8, 20
 """Numbers of a point of an array at most, as x, y, z, intensity, and colours; and times as many points that it has at
 least: no depth image is so narrow."""
+
+_NO_UNIT = ""
+"""Unit of depths of 8 bits: up to 255 mm no camera measures, so they are in another unit, or shades for the eye."""
 
 Intrinsics = tuple[float, float, float, float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
@@ -133,6 +148,8 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     if values is not None and path.suffix.lower() == ".dae":
         raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
     numbers, usual = _READERS[form](path) if form != "bag" else (_bag(path, topic), "m")
+    if values is None and usual == _NO_UNIT:
+        raise ParameterError("values", f"{path} has depths of 8 bits, too few for millimetres; set mm, cm, m or in")
     metres = CENTIMETRES[values or usual] / 100
     if not isinstance(numbers, np.ndarray):
         numbers.apply_scale(metres)
@@ -207,7 +224,8 @@ def _array(path: Path) -> tuple[Array, str]:
     if array.ndim == 2 and array.shape[0] == 3 and array.shape[1] > _OF_POINTS:
         raise FileError(f"{path}: an array of shape {array.shape}; use its transpose, points (n, 3)")
     _refuse_many(path, array.size // 3)
-    return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
+    are_depths = array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu"
+    return np.asarray(array), ("mm" if array.itemsize > 1 else _NO_UNIT) if are_depths else "m"
 
 
 def _image(path: Path) -> tuple[Array, str]:
@@ -217,13 +235,14 @@ def _image(path: Path) -> tuple[Array, str]:
             raise FileError(
                 f"{path}: a {image.mode} image; expected a depth image of one channel (16 bit, millimetres)"
             )
-        return np.array(image, dtype=np.float64), "m" if image.mode == "F" else "mm"
+        return numbers_of(image), {"F": "m", "L": _NO_UNIT}.get(image.mode, "mm")
 
 
 def _text(path: Path) -> tuple[Array, str]:
     """Return the points of lines of numbers by blanks, commas or semicolons, below any titles.
 
-    They are x, y, z and perhaps more, or what the titles name so; a comma is a decimal one where it cannot be else.
+    They are x, y, z and perhaps more, or what the titles name so, in the unit that these say; a comma is a decimal one
+    where it cannot be else.
     """
     lines = text_of(path, _MAX_CLOUD_MIB, "a cloud; write it as PLY or PCD").splitlines()
     if is_esri_grid(lines[0] if lines else ""):
@@ -232,32 +251,49 @@ def _text(path: Path) -> tuple[Array, str]:
     if first is None:
         raise FileError(f"{path}: no line has three numbers x, y, z")
     _refuse_many(path, len(lines) - first)
-    columns = _columns(path, lines[first - 1] if first else "", lines[first])
+    columns, unit = _columns(path, lines[first - 1] if first else "", lines[first])
     if any(_DECIMAL_COMMAS.match(line) for line in lines[first : first + _LOOKED_AT]):
         lines[first:] = [_A_DECIMAL_COMMA.sub(".", line) for line in lines[first:]]
     elif any(_CUT_NUMBER.search(line) for line in lines[first : first + _LOOKED_AT]):
         raise FileError(f"{path}: commas are in its numbers and between them; write semicolons or blanks between them")
     separator = next((mark for mark in ",;" if mark in lines[first]), None)
     try:
-        return np.loadtxt(lines[first:], delimiter=separator, usecols=columns, ndmin=2, comments=("#", "//")), "m"
+        points = np.loadtxt(lines[first:], delimiter=separator, usecols=columns, ndmin=2, comments=("#", "//"))
     except ValueError as error:
         raise FileError(f"{path}: {library_message(error)}") from None
+    return points, unit
 
 
-def _columns(path: Path, titles: str, line: str) -> tuple[int, ...]:
-    """Return the columns of x, y and z by the titles above a line; the first three if these name none of them."""
+def _columns(path: Path, titles: str, line: str) -> tuple[tuple[int, ...], str]:
+    """Return the columns of x, y and z by the titles above a line, and their unit; else the first three, in metres."""
     separator = next((mark for mark in ";,\t" if mark in line and mark in titles), None)
     names = [name.strip(" \"'/#").lower() for name in titles.strip(" /#").split(separator)]
-    # Programs write the unit after the name: x [m], X(m), x_m.
-    names = [_OF_AXIS.sub(r"\1", name) for name in names]
-    if len({"x", "y", "z"} & set(names)) < 2:  # one letter may be of a sentence
-        return 0, 1, 2
+    axes, units = _axes(names)
+    if len(set("xyz") & set(axes)) < 2:  # one letter may be of a sentence
+        if separator and len(names) > 3 and len(names) == line.count(separator) + 1:
+            problem = f"none of the titles {shown(titles.strip())} name the columns of x, y and z; name them so"
+            raise FileError(f"{path}: {problem}")
+        return (0, 1, 2), "m"
     for axis in "xyz":
-        if names.count(axis) != 1:
+        if axes.count(axis) != 1:
             raise FileError(
-                f"{path}: {names.count(axis)} of the titles {shown(titles.strip())} name the column of {axis}"
+                f"{path}: {axes.count(axis)} of the titles {shown(titles.strip())} name the column of {axis}"
             )
-    return tuple(names.index(axis) for axis in "xyz")
+    if len(units) > 1:
+        raise FileError(f"{path}: x, y and z are in {' and '.join(sorted(units))}; write all three in one unit")
+    return tuple(axes.index(axis) for axis in "xyz"), next(iter(units), "m")
+
+
+def _axes(names: Sequence[str]) -> tuple[Sequence[str], set[str]]:
+    """Return the axis of the column of each title, empty if it has none, and the units of length that titles name."""
+    axes = [match[1] if (match := _OF_AXIS.match(name)) else "" for name in names]
+    if any(axes):
+        found = (_UNIT.search(name) for name, axis in zip(names, axes, strict=True) if axis)
+        return axes, {unit[1] or unit[2] for unit in found if unit}
+    for known in _OTHER_TITLES:
+        if known.keys() & set(names):
+            return [known.get(name, "") for name in names], set()
+    return [match[1] if (match := _IN_A_NAME.match(name)) else "" for name in names], set()
 
 
 def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
@@ -270,7 +306,8 @@ def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
             return trimesh.Trimesh(*read_collada(path), process=False)
         with open_regular(path) as file:
             beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
-            loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)
+            form = path.suffix[1:].lower()
+            loaded = trimesh.load(counted_forwards(path, file), file_type=form, resolver=beside)
         return loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
 
     loaded = read_with(SCAN, path, read)
@@ -334,7 +371,7 @@ def _las(path: Path) -> tuple[Array, str]:
             with laspy.open(file) as reader:
                 _refuse_many(path, reader.header.point_count)
                 system = _las_system(reader.header)
-                refuse_degrees(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
+                refuse_distorted(path, system, tuple(reader.header.mins[:2]), _IN_METRES)
                 points = np.asarray(reader.read().xyz, dtype=np.float64)
                 if len(points) < reader.header.point_count:
                     raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
