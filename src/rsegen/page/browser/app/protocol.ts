@@ -603,7 +603,7 @@ export interface Calls {
   save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
   /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
   scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
-  /* Return the line of a shell that does what `run` does with the same arguments; a ParameterError if one is wrong. */
+  /* Return the line of a shell that does what `run` does with these arguments; a ParameterError if one is wrong. */
   shell_line: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string }; result: ShellLine };
   /* Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it. */
   show_folder: { args: { path: string }; result: ShownFolder };
