@@ -719,6 +719,26 @@ def test_a_time_is_rounded_before_it_is_parted_into_minutes_and_seconds(page: Pa
     until(lambda: page.js(times) == ["1:00.0", "2:00.0"])
 
 
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        *((f"wall{suffix}", "scan") for suffix in (".ply", ".LAZ", ".e57", ".obj", ".stl", ".glb", ".dae", ".pts")),
+        *((f"wall{suffix}", "import") for suffix in (".csv", ".tsv", ".npy", ".png", ".JPG", ".asc", ".tiff", ".mcap")),
+    ],
+)
+def test_a_file_that_is_dropped_goes_to_the_command_that_reads_it(page: Page, name: str, command: str) -> None:
+    drop = (
+        "const data = new DataTransfer(); data.items.add(new File(['1'], arguments[0]));"
+        "dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))"
+    )
+    page.js(drop, name)
+    until(lambda: page.js("return state.dialog.value ?? state.problem.value"))
+    assert page.js("return state.dialog.value?.command") == command
+    page.js(drop, "wall.exe")
+    until(lambda: page.js("return state.problem.value"))
+    assert page.js("return state.problem.value.text").startswith("wall.exe: not a recipe, a point cloud, or")
+
+
 def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrome, address: str, folder: Path) -> None:
     for name in ("mine.urdf", "my robot.urdf"):
         (folder / name).write_text("<robot name='mine'><link name='base'/></robot>")
