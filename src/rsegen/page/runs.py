@@ -39,7 +39,8 @@ from rsegen.writing.store import refuse_taken_file
 class ShellLine(TypedDict):
     """The line that does in a shell what a form says."""
 
-    text: str
+    text: str  # empty while a value is wrong or missing
+    why: str  # there is none
 
 
 class _Target(NamedTuple):
@@ -96,9 +97,13 @@ def _arguments(host: Host, form: CommandForm, values: Mapping[str, Json], output
 def shell_line(
     host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", target: str = ""
 ) -> ShellLine:
-    """Return the line of a shell that does what `run` does with these arguments; a ParameterError if one is wrong."""
+    """Return the line of a shell that does what `run` does with these arguments, or why there is none."""
     form, document = command_form(command), host.opened(doc).document
-    return {"text": _line(_arguments(host, form, values, output, target), form, document, host.places, values)}
+    try:
+        given = _arguments(host, form, values, output, target)
+    except UserError as error:
+        return {"text": "", "why": error.problem if isinstance(error, ParameterError) else str(error)}
+    return {"text": _line(given, form, document, host.places, values), "why": ""}
 
 
 def _line(given: _Arguments, form: CommandForm, document: Document, places: Places, values: Mapping[str, Json]) -> str:

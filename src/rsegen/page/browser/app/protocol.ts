@@ -410,7 +410,8 @@ export interface DrawnPart {
 
 /* The line that does in a shell what a form says. */
 export interface ShellLine {
-  text: string;
+  text: string; // empty while a value is wrong or missing
+  why: string; // there is none
 }
 
 /* A folder, as a path to copy, and whether a file manager was opened on it. */
@@ -603,7 +604,7 @@ export interface Calls {
   save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
   /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
   scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
-  /* Return the line of a shell that does what `run` does with these arguments; a ParameterError if one is wrong. */
+  /* Return the line of a shell that does what `run` does with these arguments, or why there is none. */
   shell_line: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string }; result: ShellLine };
   /* Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it. */
   show_folder: { args: { path: string }; result: ShownFolder };

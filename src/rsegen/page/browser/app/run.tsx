@@ -73,9 +73,8 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
   });
   useEffect(() => {
     let wanted = true;
-    void ask("shell_line", asked()).then(({ text }) => wanted && setLine({ text, why: "" }), (error: unknown) => {
+    void ask("shell_line", asked()).then((found) => wanted && setLine(found), (error: unknown) => {
       if (!(error instanceof Failed)) throw error;
-      if (wanted) setLine({ text: "", why: error.message });
     });
     return () => void (wanted = false);
   }, [values, output]);
