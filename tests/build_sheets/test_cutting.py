@@ -125,12 +125,12 @@ def test_a_single_part_has_its_tolerance_too(length_cm: float, fits: bool) -> No
     if fits:
         assert plan_cuts({nanometres(length_cm): 1}, CutSettings()).pieces == 1
         return
-    with pytest.raises(ParameterError, match="stock_cm: 240 is too short for the longest block"):
+    with pytest.raises(ParameterError, match="stock_cm: 240 cm is too short for the longest block"):
         plan_cuts({nanometres(length_cm): 1}, CutSettings())
 
 
 def test_a_block_longer_than_the_stock_is_refused() -> None:
-    said = r"stock_cm: 30 is too short for the longest block, 30\.5 cm; use 32\.55 or more"
+    said = r"stock_cm: 30 cm is too short for the longest block, 30\.5 cm; use 32\.55 cm or more"
     with pytest.raises(ParameterError, match=said):
         plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
 

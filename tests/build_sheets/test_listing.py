@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -214,3 +217,31 @@ def test_another_unit_and_chunk_size_may_be_asked_for(tmp_path: Path) -> None:
     again = imported(written(tmp_path, text_of(RECIPE)), Table(), unit_cm=5, chunk_size=1)
     assert (again.unit_cm, again.chunks) == (5, (4, 2))
     assert np.array_equal(build(again).blocks, 2 * build(RECIPE).blocks)
+
+
+@pytest.mark.parametrize(("chunk_size", "block_width_cm"), [(10, 10.0), (7, 4.5), (30, 10.0), (23, 3.3)])
+def test_the_stock_that_boards_are_said_to_need_in_inches_is_long_enough(
+    chunk_size: int, block_width_cm: float
+) -> None:
+    recipe = Recipe(
+        seed=1, units="in", chunk_size=chunk_size, block_width_cm=block_width_cm, unit_cm=1, obstacles=BLOCKS
+    )
+    saw, advice = CutSettings(stock_cm=20, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375), r"give (.*) or more"
+    said = sheet(compose(recipe), saw, "csv").decode()
+    (least,) = re.findall(advice, said)
+    inches = sum(Fraction(part) for part in least.removesuffix(" in").split())
+    longer = replace(saw, stock_cm=float(inches) * 2.54)
+    assert "# saw for frames: " in sheet(compose(recipe), longer, "csv").decode()
+    mark = replace(saw, stock_cm=float(inches - Fraction(1, 32)) * 2.54)
+    assert re.search(advice, sheet(compose(recipe), mark, "csv").decode())
+
+
+def test_the_stock_that_blocks_are_said_to_need_in_inches_is_long_enough(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["sheet", "peak", "--units", "in", "-o", str(tmp_path / "peak.csv"), "--stock-cm"]
+    assert main([*command, "16in"]) == 2
+    said = capsys.readouterr().err
+    assert "--stock-cm: 16 in is too short for blocks of the highest level, 15 3/4 in; use 16 25/32 in or more" in said
+    assert main([*command, "16 25/32 in"]) == 0
+    assert (tmp_path / "peak.csv").is_file()

@@ -315,7 +315,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
         (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),
         (
             Recipe(seed=1, unit_cm=61, obstacles=BLOCKS),
-            "stock_cm: 240 is too short for blocks of the highest level, 244 cm",
+            "stock_cm: 240 cm is too short for blocks of the highest level, 244 cm",
         ),
     ],
     ids=["large pallets", "many pallets", "many blocks", "long blocks"],

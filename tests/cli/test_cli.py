@@ -467,3 +467,16 @@ def test_python_is_advised_in_python_and_a_shell_in_flags(
         assert "--" not in str(refused.value)
     assert generated(recipe_file, "-o", folder / "generate") == 2
     assert "use --force to replace it" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("place", ["-0.5,0.3,90", "-.5,-0.3,-90", "-5e-1,0,0"])
+def test_a_value_may_begin_with_a_minus_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str) -> None:
+    pictures = [tmp_path / "apart.png", tmp_path / "joined.png"]
+    for picture, words in zip(pictures, (["--at", place], [f"--at={place}"]), strict=True):
+        assert main(["preview", *SMALL, "--chunks", "3", "--robot", "burger", *words, "-o", str(picture)]) == 0
+    apart, joined = (picture.read_bytes() for picture in pictures)
+    assert apart == joined
+    with pytest.raises(SystemExit) as ended:
+        main(["preview", *SMALL, "--robot", "burger", "--at", "-x", "-o", str(pictures[0])])
+    assert ended.value.code == 2
+    assert "argument --at: expected one argument" in capsys.readouterr().err

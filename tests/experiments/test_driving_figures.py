@@ -108,3 +108,15 @@ def test_a_record_becomes_the_trajectories_of_its_robots() -> None:
     pose = [1.0, 2, 3, 0, 0, 0]
     found = trajectories([(0.5, {"a": pose}), (0.6, {"a": pose, "b": pose, "map": pose})], [run("a"), run("b")])
     assert {name: each.rows[:, 0].tolist() for name, each in found.items()} == {"a": [0.5, 0.6], "b": [0.6]}
+
+
+def test_whether_a_robot_was_stuck_is_not_known_of_poses_seconds_apart() -> None:
+    second = np.arange(0, 60, 0.1)
+    angle = np.pi * second  # a circle in two seconds
+    rows = np.zeros((len(second), 7))
+    rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 6] = second, 0.1 * np.cos(angle), 0.1 * np.sin(angle), angle
+    circles = Trajectory(rows=rows)
+    assert driving_figures({"turns": circles}, [run("turns")], None)["stuck"] == 0
+    seldom = driving_figures({"turns": Trajectory(rows=rows[::20])}, [run("turns")], None)
+    assert seldom["driven"] == 0
+    assert seldom["stuck"] is None

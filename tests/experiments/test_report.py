@@ -162,7 +162,7 @@ def test_attempts_and_what_happened_to_robots_are_counted_per_cell(results: Resu
     text = report_page(PLAN, {**results, **outcomes}, MACHINE, COMMAND)
     head = next(line for line in text.splitlines() if line.startswith("| blocks |"))
     assert "| covered | off the map | impossible | attempts | paper: RTF |" in head
-    assert rows(text)["80 x 80"][11:14] == ["33 %", "11 %", "6"]
+    assert rows(text)["80 x 80"][11:14] == ["- / 33 %", "- / 11 %", "- / 6"]
     assert "attempts" not in report_page(PLAN, results, MACHINE, COMMAND)
 
 

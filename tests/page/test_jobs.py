@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -100,16 +101,25 @@ def test_the_line_of_a_recipe_that_was_never_saved_does_the_same_in_a_shell(
     job = ended(host, start(command, **values))
     assert job["state"] == "done"
     assert "peak.yaml" not in job["line"]
-    said = runs.shell_target(host, doc=doc, command=command)
+    assert runs.shell_line(host, doc=doc, command=command, values=values) == {"text": job["line"], "why": ""}
     # The flag --seed of spots is another one, so the map is made first.
-    assert bool(said["before"]) == (command == "spots")
-    assert "--obstacle" in said["before"] + said["text"]
-    assert job["line"].startswith(said["before"])
+    assert (" && " in job["line"]) == (command == "spots")
+    assert "--obstacle" in job["line"]
     assert [*host.folder.iterdir()] == []
     printed = _said_by(host, f"{job['line']} --json")
     begins = re.search(r"^[\[{]", printed, re.MULTILINE)
     assert begins
     assert json.loads(printed[begins.start() :]) == job["result"]
+
+
+def test_there_is_no_line_while_a_value_is_wrong_or_missing(host: Host, doc: str) -> None:
+    line = partial(runs.shell_line, host, doc=doc)
+    assert line(command="export", values={}) == {"text": "", "why": "Choose at least one format."}
+    assert line(command="metrics", values={}, target="..")["text"] == ""
+    wrong = line(command="sheet", values={"kerf_mm": -1.5}, output="peak.pdf")
+    assert (wrong["text"], wrong["why"]) == ("", "-1.5 is outside 0..100 mm")
+    right = line(command="spawn", values={"robot": "burger", "pose": [-1, 0, -0.5]}, output="worlds")
+    assert "--robot=burger --pose=-1,0,-0.5 --output=worlds" in right["text"]
 
 
 def test_a_command_runs_on_a_map_that_was_written(host: Host, start: Start, doc: str) -> None:

@@ -17,9 +17,11 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
+from rsegen.errors import TooLarge
 from rsegen.gazebo.map_summary import Costs, costs
 from rsegen.page import browser as page_files
 from rsegen.page import scenes
+from rsegen.page.calls import OF_HOST
 from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.page.shown_map import ShownMap
@@ -540,7 +542,8 @@ def test_formats_are_chosen_by_their_names(page: Page) -> None:
     page.js("state.dialog.value = { name: 'run', command: 'export' }")
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .words button"))
     page.chrome.find_element(By.XPATH, "//dialog//button[normalize-space()='stl']").click()
-    assert page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text.endswith("--to stl -o export")
+    line = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code")
+    until(lambda: " --to=stl --output=export" in line.text)
 
 
 def test_a_run_without_what_it_needs_says_what_to_do(page: Page) -> None:
@@ -552,8 +555,193 @@ def test_a_run_without_what_it_needs_says_what_to_do(page: Page) -> None:
     assert page.js("return state.jobs.value.every(job => job.command !== 'export')")
 
 
+def shown_line(page: Page) -> str:
+    """The line of a shell in the form of a command."""
+    return str(page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+
+
+def fill_form(page: Page, command: str) -> None:
+    """Open the form of a command, with all that is under More."""
+    page.js("state.dialog.value = { name: 'run', command: arguments[0] }", command)
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog [type=submit]"))
+    page.js("document.querySelectorAll('dialog details').forEach((each) => { each.open = true; })")
+
+
+@pytest.mark.parametrize("text", ["1,000", "abc", "1.000,5"])
+def test_nothing_is_run_with_a_number_that_cannot_be_read(page: Page, folder: Path, text: str) -> None:
+    fill_form(page, "sheet")
+    page.type("Kerf", text)
+    until(lambda: page.problem("Kerf"))
+    page.chrome.find_element(By.CSS_SELECTOR, "dialog [type=submit]").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog footer .problem"))
+    said = page.chrome.find_element(By.CSS_SELECTOR, "dialog footer .problem").text
+    assert said == f"Kerf: {page.problem('Kerf')}"
+    assert text in said
+    assert page.js("return state.jobs.value.every(job => job.command !== 'sheet')")
+    assert not [*folder.glob("*.pdf")]
+
+
+def test_nothing_is_run_on_a_recipe_with_a_number_that_cannot_be_read(page: Page) -> None:
+    page.type("Height step (unit)", "1,000")
+    until(lambda: page.problem("Height step (unit)"))
+    fill_form(page, "metrics")
+    page.chrome.find_element(By.CSS_SELECTOR, "dialog [type=submit]").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog footer .problem"))
+    said = page.chrome.find_element(By.CSS_SELECTOR, "dialog footer .problem").text
+    assert said == f"Height step (unit): {page.problem('Height step (unit)')}"
+    assert page.js("return state.jobs.value.every(job => job.command !== 'metrics')")
+
+
+def test_the_line_of_a_form_says_what_is_switched_off_and_on_what_it_works(page: Page, folder: Path) -> None:
+    fill_form(page, "drive")
+    switch = page.chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Contacts"] input')
+    assert switch.is_selected()
+    page.js("arguments[0].click()", switch)
+    until(lambda: " --no-contacts " in shown_line(page))
+    (folder / "heights.csv").write_text("0,1\n1,2\n")
+    fill_form(page, "import")
+    missing = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell small")
+    until(lambda: missing.text == "Enter the name of a file.")
+    page.type("File", "heights.csv")
+    until(lambda: shown_line(page).endswith(" heights.csv"))
+
+
+def test_the_line_of_a_form_takes_negative_numbers(page: Page) -> None:
+    fill_form(page, "spawn")
+    for number, text in enumerate(("-0.8", "0.35", "-1.57"), 1):
+        label = f'dialog [data-field="Pose"] [aria-label="Pose, {number}"]'
+        page.chrome.find_element(By.CSS_SELECTOR, label).send_keys(text)
+    until(lambda: "--pose=-0.8,0.35,-1.57" in shown_line(page))
+
+
+def test_what_is_named_after_a_question_is_not_replaced(page: Page, folder: Path) -> None:
+    for output in ("first", "second"):
+        page.js("return state.ask('run', { command: 'generate', values: {}, output: arguments[0] })", output)
+        until(lambda: [*(folder / output).glob("*/*.world")])  # noqa: B023  # in this turn
+    (world,) = (folder / "second").glob("*/*.world")
+    before = world.stat().st_mtime_ns
+    fill_form(page, "generate")
+    submit = page.chrome.find_element(By.CSS_SELECTOR, "dialog [type=submit]")
+    page.type("Output folder", "first")
+    submit.click()
+    until(lambda: submit.text == "Replace the existing files")
+    page.type("Output folder", "second")
+    until(lambda: submit.text == "Run")
+    submit.click()
+    until(lambda: submit.text == "Replace the existing files")
+    assert world.stat().st_mtime_ns == before
+
+
+def test_a_page_without_a_clipboard_says_whether_it_copied(page: Page) -> None:
+    page.js("Object.defineProperty(navigator, 'clipboard', { value: undefined, configurable: true })")
+    page.js("window.copied = []; document.addEventListener('copy', () => copied.push(document.activeElement.value))")
+    page.js("state.tab.value = 'results'")
+    page.button("Copy the text").click()
+    until(lambda: page.js("return state.said.value"))
+    assert page.js("return copied") == [
+        page.js("return document.querySelector('[aria-label=Results] pre').textContent")
+    ]
+    assert page.js("return state.said.value") == "Copied"
+    page.js("document.execCommand = () => false")
+    page.button("Copy the text").click()
+    until(lambda: "select the text" in page.js("return state.said.value"))
+    page.js("delete navigator.clipboard; delete document.execCommand")
+
+
+def test_a_table_of_a_run_has_an_empty_first_cell_where_its_file_has_one(page: Page, folder: Path) -> None:
+    (folder / "trials.csv").write_text('simulator,robot,driven\n,burger,"2,5"\nsim,,3\n')
+    page.js(
+        "state.jobs.value = [{ id: 1000, doc: '', command: 'experiment', line: 'rsegen experiment', state: 'done',"
+        " done: null, total: null, step: '', lines: [], output: '', result: null, opens: null,"
+        " files: [{ path: 'trials.csv', name: 'trials.csv', kind: 'table' }] }];"
+        "state.dialog.value = { name: 'jobs' }"
+    )
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog table.csv"))
+    rows = (
+        "return [...document.querySelectorAll('dialog table.csv tr')].map(row => [...row.cells].map(c => c.innerText))"
+    )
+    assert page.js(rows) == [["simulator", "robot", "driven"], ["", "burger", "2,5"], ["sim", "", "3"]]
+
+
+def test_figures_of_another_map_are_pale_until_that_which_is_shown_is_measured(
+    page: Page, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measured, go, fails = scenes._results, Event(), Event()
+    go.set()
+
+    def slow(made: Scene) -> scenes.MapResults:
+        assert go.wait(60)
+        if fails.is_set():
+            raise TooLarge("this map is too large")
+        return measured(made)
+
+    monkeypatch.setattr(scenes, "_results", slow)
+    busy = "return [...document.querySelectorAll('table.metrics')].map(table => table.ariaBusy)"
+    page.js("state.tab.value = 'results'")
+    until(lambda: page.js(busy) == ["false"])
+    go.clear()
+    page.js("state.edit({ do: 'set', name: 'chunk_size', value: 4 })")
+    until(lambda: page.js(busy) == ["true"])
+    go.set()
+    until(lambda: page.js(busy) == ["false"])
+    fails.set()
+    page.js("state.edit({ do: 'set', name: 'chunk_size', value: 5 })")
+    until(lambda: page.js("return state.problem.value?.text") == "this map is too large")
+    until(lambda: page.js(busy) == [])
+
+
+def test_all_figures_of_another_map_are_pale_until_that_which_is_shown_is_measured(
+    page: Page, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go, measured = Event(), OF_HOST["measure"]
+    go.set()
+
+    def slow(host: Host, *, doc: str, index: int, robot: str | None = None) -> Any:
+        assert go.wait(60)
+        return measured(host, doc=doc, index=index, robot=robot)
+
+    monkeypatch.setitem(OF_HOST, "measure", slow)
+    page.js("state.tab.value = 'results'")
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "table.metrics"))
+    page.chrome.find_element(By.XPATH, "//summary[starts-with(., 'All metrics')]").click()
+    busy = "return document.querySelector('details table.metrics')?.ariaBusy ?? null"
+    until(lambda: page.js(busy) == "false")
+    go.clear()
+    page.js("state.edit({ do: 'set', name: 'chunk_size', value: 4 })")
+    until(lambda: page.js(busy) == "true")
+    go.set()
+    until(lambda: page.js(busy) == "false")
+
+
+def test_a_time_is_rounded_before_it_is_parted_into_minutes_and_seconds(page: Page) -> None:
+    page.js("state.playbacks.value = [{ title: 'a drive', duration: 119.97, robots: [] }]; state.second.value = 59.96")
+    times = "return [...document.querySelectorAll('.timeline output')].map(each => each.innerText)"
+    until(lambda: page.js(times) == ["1:00.0", "2:00.0"])
+
+
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        *((f"wall{suffix}", "scan") for suffix in (".ply", ".LAZ", ".e57", ".obj", ".stl", ".glb", ".dae", ".pts")),
+        *((f"wall{suffix}", "import") for suffix in (".csv", ".tsv", ".npy", ".png", ".JPG", ".asc", ".tiff", ".mcap")),
+    ],
+)
+def test_a_file_that_is_dropped_goes_to_the_command_that_reads_it(page: Page, name: str, command: str) -> None:
+    drop = (
+        "const data = new DataTransfer(); data.items.add(new File(['1'], arguments[0]));"
+        "dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))"
+    )
+    page.js(drop, name)
+    until(lambda: page.js("return state.dialog.value ?? state.problem.value"))
+    assert page.js("return state.dialog.value?.command") == command
+    page.js(drop, "wall.exe")
+    until(lambda: page.js("return state.problem.value"))
+    assert page.js("return state.problem.value.text").startswith("wall.exe: not a recipe, a point cloud, or")
+
+
 def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrome, address: str, folder: Path) -> None:
-    (folder / "mine.urdf").write_text("<robot name='mine'><link name='base'/></robot>")
+    for name in ("mine.urdf", "my robot.urdf"):
+        (folder / name).write_text("<robot name='mine'><link name='base'/></robot>")
     page = Page(chrome, address, "mixed-course")
     for command in ("drive", "predict", "spots", "rate"):
         page.js("state.dialog.value = { name: 'run', command: arguments[0] }", command)
@@ -572,10 +760,10 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
     robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
     assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] input')
     robots.select_by_value("crawler")
-    until(lambda: "--robot crawler" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+    until(lambda: "--robot=crawler" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
     robots.select_by_visible_text("from a file …")
-    page.type("Robot", "other robot.sdf")
-    until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+    page.type("Robot", "my robot.urdf")
+    until(lambda: f"'--robot={(folder / 'my robot.urdf').resolve()}'" in shown_line(page))
 
 
 @pytest.mark.long(reason="a rating on the page is asked for without a browser in make test")
@@ -617,7 +805,7 @@ def test_maps_are_counted_from_one_and_chosen_by_their_names(chrome: Chrome, add
             By.CSS_SELECTOR, 'dialog [data-field="Map"] select, dialog [data-field="Map"] label'
         )
     )
-    assert "--map mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+    until(lambda: "--map=mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
     page.js("state.dialog.value = null; return state.edit({ do: 'set', name: 'maps', value: 1 })")
     page.js("state.dialog.value = { name: 'run', command: 'drive' }")
     until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
@@ -810,11 +998,7 @@ def test_what_was_generated_is_shown_by_name_with_pictures_and_what_comes_next(
     page.button("Runs").click()
     until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made button"))
     page.js("document.querySelectorAll('dialog details[open] .made button')[4].click()")
-    until(
-        lambda: (
-            "rsegen drive drawn/mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
-        )
-    )
+    until(lambda: " drawn/mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
     page.js("state.dialog.value = { name: 'jobs' }")
     until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .actions button"))
     chrome.find_element(By.XPATH, "//dialog//details[@open]//button[normalize-space()='Show in folder']").click()
@@ -871,8 +1055,7 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert "margin before it tips over" in facts.text
     page.button("Spawn it in a running Gazebo").click()
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
-    line = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
-    assert re.search(r"--robot burger --pose -?[\d.]+,-?[\d.]+,-?[\d.]+ -o worlds$", line)
+    until(lambda: re.search(r"--robot=burger --pose=-?[\d.]+,-?[\d.]+,-?[\d.]+ --output=worlds$", shown_line(page)))
     ActionChains(page.chrome).send_keys(Keys.ESCAPE).perform()
     page.button("Tilt map").click()
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".legend .ramp"))

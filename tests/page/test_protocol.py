@@ -51,7 +51,7 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "rating": {"path": "rate"},
     "drive_trial": {"path": "rate", "judge": "the prediction by its poses", "trial": 0},
     "cancel": {"job": 1},
-    "shell_target": {"command": "metrics"},
+    "shell_line": {"command": "metrics", "values": {}},
     "example_maps": {},
     "made_maps": {"paths": ["field.yaml"]},
     "show_folder": {"path": "field.yaml"},

@@ -184,7 +184,7 @@ def test_unknown_calls_documents_and_arguments_are_named(client: Client) -> None
     [
         ("close", {"doc": "a\nb\x1b[2J"}),
         ("state", {"doc": "a\r\nb"}),
-        ("shell_target", {"doc": "", "command": "a\nb"}),
+        ("shell_line", {"doc": "", "command": "a\nb", "values": {}}),
         ("files", {"folder": "a\n/../../../b"}),
         ("open", {"what": "a\nb"}),
         ("file", {"path": "a\nb"}),

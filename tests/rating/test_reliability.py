@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom, binomtest
 
 import rsegen
+from rsegen.driving.many import ManyDrive, ManyDrives
 from rsegen.errors import OutputError, ParameterError
 from rsegen.rating.reliability import ReliabilityTest, shown_reliability
 from rsegen.simulators.embedded import EMBEDDED
@@ -61,6 +63,18 @@ def test_what_no_number_of_repetitions_shows_and_what_needs_none() -> None:
     assert rsegen.failures_allowed(0.9, 0, 7) == 7
 
 
+def _drives(count: int, *failures: str) -> ManyDrives:
+    """Drives that all crossed, and then drives that have no result."""
+    drive = ManyDrive(
+        map=0, seed=0, crossed=1.0, seconds=2.0, distance=1.0, stuck=0.0, tipped=0, tilt=0.1, climbed=0.0, x=1.0, y=0.0
+    )
+    failed = [replace(drive, crossed=None, failed=why) for why in failures]
+    recipe = rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=3)])
+    return ManyDrives(
+        recipe=recipe, robot="jackal", simulator="MuJoCo", route="straight", drives=(*[drive] * count, *failed)
+    )
+
+
 def test_impossible_values_are_refused() -> None:
     with pytest.raises(ParameterError, match="reliability: 2 is outside"):
         rsegen.failures_allowed(2, 0.85, 10)
@@ -109,3 +123,29 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
 def test_values_that_do_not_go_together_are_refused(values: dict[str, object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         rsegen.rate("jackal", **values)  # type: ignore[arg-type]  # by name
+
+
+@pytest.mark.parametrize(
+    ("reliability", "confidence", "claim"),
+    [(0.8, 0.85, "80% with a confidence of 85%"), (0.9995, 0.995, "99.95% with a confidence of 99.5%")],
+)
+def test_no_share_is_rounded_to_one_that_was_not_asked_for(reliability: float, confidence: float, claim: str) -> None:
+    result = ReliabilityTest(drives=_drives(30), reliability=reliability, confidence=confidence)
+    assert f"a reliability of {claim}" in "\n".join(result.report())
+
+
+def test_no_more_is_shown_than_the_lower_end_of_the_interval() -> None:
+    result = ReliabilityTest(drives=_drives(20_000), reliability=0.5, confidence=0.85)
+    assert 0.9999 < result.shown < 0.99991
+    assert "; 99.99% is shown" in "\n".join(result.report())
+
+
+def test_repetitions_without_a_result_are_said_and_not_counted() -> None:
+    result = ReliabilityTest(drives=_drives(10, "the physics failed", "again"), reliability=0.8, confidence=0.85)
+    assert (result.repetitions, result.failures, result.allowed) == (10, 0, 0)
+    said = list(result.report())
+    assert said[1:] == [
+        "  jackal failed in 0 of 10 repetitions: passed",
+        "  a reliability of 80% with a confidence of 85% allows 0 failures; 82.71% is shown",
+        "  2 more have no result, and are not counted; the first: the physics failed",
+    ]

@@ -125,3 +125,15 @@ def test_nothing_running_is_an_error(programs: Path, monkeypatch: pytest.MonkeyP
 def test_the_next_map_of_an_example_is_the_one_after_the_current_one(tmp_path: Path) -> None:
     assert _given_or_next("mixed-course", None, tmp_path, "mixed-course_0001").name == "mixed-course_0002"
     assert _given_or_next("mixed-course", 0, tmp_path, "mixed-course_0001").name == "mixed-course_0000"
+
+
+def test_a_robot_for_which_a_map_has_no_spot_stands_beside_it_and_that_is_said(sim_address: Mapping[str, str]) -> None:
+    posts = rsegen.Matrix(rows=("8 0 8 0", "0 8 0 8", "8 0 8 0", "0 8 0 8"))
+    put = rsegen.spawn(replace(COURSE, obstacles=[posts]), robot="jackal", simulator="sim")
+    assert put.on is None
+    assert (
+        "course_0000 has no free spot for jackal, which stands beside it; to put it on the map, set pose="
+        in put.notes[1]
+    )
+    even = rsegen.spawn(replace(COURSE, name="even", chunk_size=10), robot="burger", simulator="sim")
+    assert (even.on, len(even.notes)) == ("even_0000", 1)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rsegen.errors import ParameterError
-from rsegen.params.numbers import decimal
+from rsegen.params.numbers import decimal, lengths_in
 from rsegen.params.sorts import Float, validate
 
 
@@ -96,9 +96,14 @@ class CutSettings:
         """Return whether a part of a length [nm] can be cut from the stock, also if it is cut too long."""
         return length + self.tolerance <= self.usable
 
-    def check(self, length_cm: float, what: str = "the longest block") -> None:
-        """Raise a ParameterError if the stock is too short for a length."""
-        if not self.fits(nanometres(length_cm)):
-            given, longest = decimal(self.stock_cm), decimal(length_cm)
-            least = decimal(round(length_cm + (self.trim + self.tolerance) / 1e7, 7))
-            raise ParameterError("stock_cm", f"{given} is too short for {what}, {longest} cm; use {least} or more")
+    def least_stock(self, length: int) -> int:
+        """Return the length of the shortest stock from which a part of a length can be cut, both in nanometres."""
+        return length + self.trim + self.tolerance
+
+    def check(self, length: int, what: str, units: str) -> None:
+        """Raise a ParameterError, in the units of a recipe, if the stock is too short for a part of a length [nm]."""
+        if not self.fits(length):
+            written = lengths_in(units)
+            problem = f"{written.tape(self.stock)} {written.unit} is too short for {what}, {written.tape(length)}"
+            least = written.at_least(self.least_stock(length))
+            raise ParameterError("stock_cm", f"{problem} {written.unit}; use {least} or more")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen import __version__
-from rsegen.build_sheets.cut_settings import CutSettings
+from rsegen.build_sheets.cut_settings import CutSettings, nanometres
 from rsegen.build_sheets.timber import (
     CuttingPlan,
     building_order,
@@ -142,7 +142,8 @@ def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
     if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
         problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
         raise ParameterError("chunks", f"{problem}; use up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
-    saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
+    highest = nanometres(recipe.highest_level * recipe.unit_cm)
+    saw.check(highest, "blocks of the highest level", recipe.units)
 
 
 def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:

@@ -85,7 +85,7 @@ def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
     """Return the cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
-        settings.check(length / 1e7)
+        settings.check(length, "the longest block", "cm")
         fresh = Pattern(pieces=counts[length], parts=(), room=settings.usable + settings.kerf)
         filled = _filled([*patterns, fresh], length, counts[length], settings.tolerance + settings.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
@@ -252,9 +252,8 @@ def too_short(needed: Materials, written: Lengths) -> Iterator[str]:
     """Yield, in lines, that the stock is too short for boards, if it is, and which one is too long."""
     settings = needed.blocks.settings
     if needed.frames and needed.boards is None:
-        least = written.tape(max(needed.frames) + settings.trim + settings.tolerance)
         yield f"{written.stock(settings.stock)} of stock is too short for them:"
-        yield f"give {least} {written.unit} or more (--stock-cm)"
+        yield f"give {written.at_least(settings.least_stock(max(needed.frames)))} or more (--stock-cm)"
 
 
 def unknown_price(needed: Materials) -> str:

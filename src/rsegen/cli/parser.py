@@ -167,6 +167,8 @@ class Parser(argparse.ArgumentParser):
         self._own: list[argparse.Action] = []
         self._rows: list[Rows] = []
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
+        # As Python has it from 3.14 on: what begins with a negative number is no flag, such as -1,0 and -1e-3.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
 

@@ -299,7 +299,8 @@ def _cells(
         return f"{middle} (mean {text(mean)})" if with_means and mean is not None else middle
 
     def at_each_pace(text: Callable[[Sequence[Outcome]], str]) -> str:
-        return " / ".join(filter(None, map(text, by_pace.values())))
+        texts = [text(outcomes) for outcomes in by_pace.values() if outcomes]
+        return " / ".join(part or "-" for part in texts) if any(texts) else ""
 
     def means(name: str) -> str:
         return at_each_pace(lambda outcomes: _percent(mean_of(outcomes, name)))

@@ -29,7 +29,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from rsegen.driving.drive_metrics import PLANE, Course, Incident, Trajectory, drive_metrics, possible_part
+from rsegen.driving.drive_metrics import PLANE, Course, DriveMetrics, Incident, Trajectory, drive_metrics, possible_part
 from rsegen.driving.recording import RobotRun, send_commands, trajectories
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import Route, Wandering
@@ -105,6 +105,12 @@ LOOKS = 0.05
 
 PERIOD = 0.1
 """Simulated seconds between two rows of a trajectory, or more if the world is simulated faster than is looked."""
+
+SEEN_EVERY = 1.0
+"""Simulated seconds between two rows of a trajectory above which it does not show whether a robot was stuck.
+
+MuJoCo simulates two seconds between two looks at full speed, in which a robot turns a circle and is where it was.
+"""
 
 _SLOWEST = 20
 """Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
@@ -345,12 +351,20 @@ def driving_figures(
     )
     return {
         "driven": round(fmean(metrics.distance for metrics in every), 3),
-        "stuck": round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
+        "stuck": _stuck_share([track for track, _ in driven], every),
         "tipped": round(fmean(metrics.tipped for metrics in every), 3),
         "covered": round(fmean(shares), 5) if shares else None,
         "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
         "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
     }
+
+
+def _stuck_share(tracks: Sequence[Trajectory], every: Sequence[DriveMetrics]) -> float | None:
+    """Return the share of the time that robots were stuck, 0..1; None if it was seldom looked whether they were."""
+    gaps = np.concatenate([np.diff(track.rows[:, 0]) for track in tracks])
+    if len(gaps) and np.median(gaps) > SEEN_EVERY:
+        return None
+    return round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4)
 
 
 def covered_share(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:

@@ -15,7 +15,7 @@ import shlex
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -36,15 +36,18 @@ from rsegen.writing.programs import has_screen
 from rsegen.writing.store import refuse_taken_file
 
 
-class ShellTarget(TypedDict):
-    """The arguments for a document in the line of a command."""
+class ShellLine(TypedDict):
+    """The line that does in a shell what a form says."""
 
-    before: str  # a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
-    text: str  # words of the line: a file, flags, or the folder of a map
+    text: str  # empty while a value is wrong or missing
+    why: str  # there is none
 
 
 class _Target(NamedTuple):
-    """The arguments for a document in the line of a command, as words; flags come before other words."""
+    """The arguments for a document in the line of a command, as words; flags come before other words.
+
+    before: a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
+    """
 
     before: str = ""
     flags: Sequence[str] = ()
@@ -62,11 +65,51 @@ def _target_of(form: CommandForm, document: Document, places: Places, map_name: 
     return _Target(before=f"{command_line(recipe, recipe.name)} && ", words=[f"{recipe.name}/{folder}"])
 
 
+class _Arguments(NamedTuple):
+    """The arguments of a command as a form gives them; place: where it writes, as one of the flags says too.
+
+    others: inputs that are no flags, such as the files of clouds; made_maps: a map in the folder of the page
+    """
+
+    flags: list[str]
+    others: list[str]
+    made_maps: list[str]
+    place: Path | None
+
+    def line(self, command: str, target: _Target) -> str:
+        """Return the line of a shell; target: what stands there for a document."""
+        words = [*self.others, *self.made_maps, *target.words]
+        # None of the words is taken for another flag.
+        after = ["--"] if any(word.startswith("-") for word in words) else []
+        return target.before + shlex.join(["rsegen", command, *target.flags, *self.flags, *after, *words])
+
+
+def _arguments(host: Host, form: CommandForm, values: Mapping[str, Json], output: str, target: str) -> _Arguments:
+    """Return the arguments of a command; a ParameterError if one of them is wrong."""
+    flags, others = form.arguments(values, host.places)
+    place = _output(form, output, host.folder)
+    flags += [f"--output={place}"] if place else []
+    made_maps = [str(host.places.relative(host.places.inside(target)))] if target else []
+    return _Arguments(flags, others, made_maps, place)
+
+
 @call_of_host
-def shell_target(host: Host, *, doc: str, command: str, map_name: str = "") -> ShellTarget:
-    """Return what stands for a document in the line of a command; map_name: that is chosen, if one is."""
-    target = _target_of(command_form(command), host.opened(doc).document, host.places, map_name)
-    return {"before": target.before, "text": shlex.join([*target.flags, *target.words])}
+def shell_line(
+    host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", target: str = ""
+) -> ShellLine:
+    """Return the line of a shell that does what `run` does with these arguments, or why there is none."""
+    form, document = command_form(command), host.opened(doc).document
+    try:
+        given = _arguments(host, form, values, output, target)
+    except UserError as error:
+        return {"text": "", "why": error.problem if isinstance(error, ParameterError) else str(error)}
+    return {"text": _line(given, form, document, host.places, values), "why": ""}
+
+
+def _line(given: _Arguments, form: CommandForm, document: Document, places: Places, values: Mapping[str, Json]) -> str:
+    takes_document = form.takes_recipe and not given.made_maps
+    target = _target_of(form, document, places, str(values.get("map") or "")) if takes_document else _Target()
+    return given.line(form.name, target)
 
 
 _REFUSED_WITHIN = 10.0
@@ -94,29 +137,21 @@ def run(  # noqa: PLR0913  # a page gives each
     takes_document = form.takes_recipe and not target
     if takes_document and (problem := document.session.problem):
         raise ParameterError(problem.where, problem.problem)
-    flags, others = form.arguments(values, host.places)
-    place = _output(form, output, host.folder)
-    flags += [f"--output={place}"] if place else []
-    flags += ["--force"] if replace and form.can_replace else []
-    made_maps = [str(host.places.relative(host.places.inside(target)))] if target else []
+    given = _arguments(host, form, values, output, target)
+    place = given.place
+    given.flags.extend(["--force"] if replace and form.can_replace else [])
     recipe = document.session.recipe if takes_document else None
-    told = _Target(words=made_maps)
-    if takes_document:
-        told = _target_of(form, document, host.places, str(values.get("map") or ""))
-    words = [*others, *told.words]
-    # None of the words is taken for another flag.
-    after = ["--"] if any(word.startswith("-") for word in words) else []
     job = Job(
         id=host.jobs.new_id(),
         doc=doc,
         command=command,
-        line=told.before + shlex.join(["rsegen", command, *told.flags, *flags, *after, *words]),
+        line=_line(given, form, document, host.places, values),
         output=str(place or ""),
     )
     # A command without arguments takes no -- before them either.
-    arguments = [command, *flags, "--json", "--progress=json"]
-    if others or made_maps or recipe:
-        arguments += ["--", *others, *made_maps]
+    arguments = [command, *given.flags, "--json", "--progress=json"]
+    if given.others or given.made_maps or recipe:
+        arguments += ["--", *given.others, *given.made_maps]
     made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
     # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
     made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)

@@ -80,6 +80,11 @@ class Lengths:
         whole, rest = divmod(marks, _TAPE)
         return " ".join(filter(None, (str(whole) * bool(whole), str(Fraction(rest, _TAPE)) * bool(rest))))
 
+    def at_least(self, length: int) -> str:
+        """Return the least length that a tape measure shows and that is not below one in nanometres, with its unit."""
+        mark = self.size // _TAPE if self.unit == "in" else 1
+        return f"{self.tape(-(-length // mark) * mark)} {self.unit}"
+
     def stock(self, length: int) -> str:
         """Return the length of a piece of timber with its unit, as it is sold: 240 cm, 8 ft."""
         if self.unit == "in" and length % self.timber_size == 0:

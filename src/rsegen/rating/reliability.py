@@ -11,10 +11,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import comb, exp, lgamma, log
+from math import comb, exp, floor, lgamma, log
 from pathlib import Path, PurePosixPath
 
 from rsegen.driving.many import ManyDrives
+from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.codec import to_json
 from rsegen.writing.store import write_folder
@@ -80,6 +81,11 @@ def _binomial(count: int, failures: int, share: float) -> float:
     return exp(ways + failures * log(share) + (count - failures) * log(1 - share))
 
 
+def _percent(share: float) -> str:
+    """Return a share with all its digits: 99.95%."""
+    return f"{decimal(100 * share)}%"
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ReliabilityTest:
     """The result of `rsegen.rate` with a reliability to be shown.
@@ -139,13 +145,17 @@ class ReliabilityTest:
     def report(self) -> Iterator[str]:
         """Yield the lines that `rsegen rate --reliability` prints."""
         drives, verdict = self.drives, "passed" if self.has_passed else "not passed"
-        claim = f"a reliability of {self.reliability:.0%} with a confidence of {self.confidence:.0%}"
+        claim = f"a reliability of {_percent(self.reliability)} with a confidence of {_percent(self.confidence)}"
         yield f"{drives.recipe.name} in {drives.simulator}, {drives.route}, seed {drives.recipe.seed}:"
         yield f"  {drives.robot} failed in {self.failures} of {self.repetitions} repetitions: {verdict}"
         if self.allowed is None:
             yield f"  {self.repetitions} repetitions are too few to show {claim}, whatever their outcome"
         else:
-            yield f"  {claim} allows {self.allowed} failures; {self.shown:.1%} is shown"
+            # Rounded down: no more is shown than that.
+            shown = _percent(floor(self.shown * 1e4) / 1e4)
+            yield f"  {claim} allows {self.allowed} failure{'s'[: self.allowed != 1]}; {shown} is shown"
+        if failed := [drive for drive in drives.drives if drive.failed]:
+            yield f"  {len(failed)} more have no result, and are not counted; the first: {failed[0].failed}"
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write test.json, drives.csv and the recipe into a folder; `force` replaces earlier ones."""

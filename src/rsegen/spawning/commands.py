@@ -43,7 +43,7 @@ ModelName = Annotated[
 class SpawnPose(Parameter):
     """A pose on the ground: x and y, then perhaps z, then perhaps yaw, in metres and radians."""
 
-    help = "pose in metres and radians, as in --at=-2,0"
+    help = "pose in metres and radians, as in --at -2,0"
     _metres = Float(-1e6, 1e6)
 
     def check(self, where: str, value: object) -> tuple[float, ...]:

@@ -269,6 +269,8 @@ def _recipe_in(folder: Path) -> Recipe | None:
 _TRIES = 10
 """Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
+_NO_SPOT = "{map} has no free spot for {robot}, which stands beside it; to put it on the map, set pose=[X, Y, YAW]"
+
 _Spawnable: TypeAlias = DrivableRobot | MapModel
 
 
@@ -346,7 +348,9 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
         if rest:
             start = _in_world(rest, rider, ground)
         else:
-            start = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
+            spot = _on_map(rider, name, [ground], poses)
+            start = spot or _on_top(rider, occupied(poses, maps), maps, [])
+            notes += [] if spot else [_NO_SPOT.format(map=ground.name, robot=rider.kind)]
         live.spawn(rider.file(name, live.backend), start)
         notes += _own_notes(rider, live)
         on = ground.name if ground.covers(start, 0.0) else None

@@ -153,14 +153,18 @@ export function useTyped(value: Json | undefined, read: (text: string) => Json |
   const focused = useRef(false);
   const before = useRef<Json | undefined>(undefined);
   const now = text === null ? undefined : read(text);
+  const why = now instanceof Unreadable ? now.why : "";
+  const input = useRef<HTMLInputElement>(null);
+  useEffect(() => input.current?.setCustomValidity(why), [why]); // so that nothing is run with the earlier value
   useEffect(() => {
     // The value of the document replaces what was typed, also if it was undone meanwhile.
     if (text === null || now instanceof Unreadable) return;
     if (!focused.current || !equal(now ?? null, value ?? null)) setText(null);
   }, [written(value)]);
   return {
-    why: now instanceof Unreadable ? now.why : "",
+    why,
     props: {
+      ref: input,
       value: text ?? shown(value),
       onFocus: () => { focused.current = true; gesture.current = newGesture(); before.current = value; },
       onInput: (event: TargetedInputEvent<HTMLInputElement>) => {

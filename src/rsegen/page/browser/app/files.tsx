@@ -122,11 +122,12 @@ export function Banners() {
   );
 }
 
-/* The command for a dropped file, by its suffix. */
+/* The command for a dropped file, by the suffixes that its help lists: "files: *.ply, *.las"; a table may be either's. */
 function commandFor(name: string): string | null {
-  if (/\.(ply|pcd|xyz|pts|las|laz)$/i.test(name)) return "scan";
-  if (/\.(csv|npy|png|pgm|tif|tiff|asc|txt)$/i.test(name)) return "import";
-  return null;
+  const suffix = `*${/\.\w+$/.exec(name)?.[0].toLowerCase() ?? ""}`;
+  const reads = (command: string) => hello.value?.commands.find((each) => each.name === command)?.fields
+    .some(({ help, required }) => required && help.split(/[\s,]+/).includes(suffix));
+  return ["import", "scan"].find(reads) ?? null;
 }
 
 /* Take files that are dropped on the page: recipes are opened, measured fields become the form of their command. */

@@ -15,7 +15,9 @@ const speed = signal<"0.25" | "1" | "4">("1");
 export async function play(path: string, beside = false): Promise<void> {
   const drive = await attempt(() => call("playback", { path }));
   if (!drive) return;
-  const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !drawings.value.has(name));
+  // The file of a robot may have changed since it was drawn.
+  const isKept = (name: string) => drawings.value.has(name) && hello.value?.robots.some((each) => each.name === name);
+  const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !isKept(name));
   const made = await Promise.all(missing.map((robot) => attempt(() => call("robot", { robot }))));
   drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
   if (!beside) played.value = path;
@@ -38,7 +40,11 @@ function choose(drive: Playback): void {
    was hidden, come late, and what they skip nobody has seen. */
 const LONGEST_FRAME = 0.25;
 
-const clock = (seconds: number) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
+/* Minutes and seconds, rounded before they are parted: 59.96 s are 1:00.0. */
+function clock(seconds: number): string {
+  const tenths = Math.round(10 * seconds);
+  return `${Math.floor(tenths / 600)}:${((tenths % 600) / 10).toFixed(1).padStart(4, "0")}`;
+}
 
 export function Timeline() {
   const shown = playbacks.value;

@@ -408,10 +408,10 @@ export interface DrawnPart {
   wheel: boolean;
 }
 
-/* The arguments for a document in the line of a command. */
-export interface ShellTarget {
-  before: string; // a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
-  text: string; // words of the line: a file, flags, or the folder of a map
+/* The line that does in a shell what a form says. */
+export interface ShellLine {
+  text: string; // empty while a value is wrong or missing
+  why: string; // there is none
 }
 
 /* A folder, as a path to copy, and whether a file manager was opened on it. */
@@ -604,8 +604,8 @@ export interface Calls {
   save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
   /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
   scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
-  /* Return what stands for a document in the line of a command; map_name: that is chosen, if one is. */
-  shell_target: { args: { doc: string; command: string; map_name?: string }; result: ShellTarget };
+  /* Return the line of a shell that does what `run` does with these arguments, or why there is none. */
+  shell_line: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string }; result: ShellLine };
   /* Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it. */
   show_folder: { args: { path: string }; result: ShownFolder };
   /* Return all that pages show of a document; index: the map that the page shows. */

@@ -4,8 +4,9 @@ import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Modal, Segmented, Select, Slider, useAddress } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Texts, Variant } from "./protocol";
+import { Failed } from "./server";
 import { thumbnail } from "./solid";
-import { ask, attempt, dark, dialog, edit, frozen, hello, index, measure, newGesture, problem, problemAt, results, robot, say, scene, showMap, state } from "./state";
+import { ask, attempt, dark, dialog, edit, frozen, hello, measure, nameOf, newGesture, problem, problemAt, results, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -27,58 +28,69 @@ export function Heights({ map }: { map: SceneData }) {
   );
 }
 
-function Table({ rows, title }: { rows: [string, string, string, ...unknown[]][]; title: string }) {
+/* Metrics; old ones, of a map that is not shown any more, are pale. */
+function Table({ rows, title, isOld }: { rows: [string, string, string, ...unknown[]][]; title: string; isOld: boolean }) {
   return (
-    <table class="metrics"><caption class="hidden">{title}</caption><tbody>
+    <table class="metrics" aria-busy={isOld}><caption class="hidden">{title}</caption><tbody>
       {rows.map(([name, value, meaning]) => <tr key={name}><th scope="row">{name}<small>{meaning}</small></th><td>{value}</td></tr>)}
     </tbody></table>
   );
 }
 
-const CACHE: { key: string; rows: [string, string, string, string][] } = { key: "", rows: [] };
+type Measured = { of: string; rows: [string, string, string, string][] };
+
+let latest: Measured | null = null;
 
 export function Results() {
   const map = scene.value;
   useEffect(() => void (map && !frozen && measure()), [map]);
   if (!map) return <section class="panel" aria-label="Results"><p class="empty">No map yet.</p></section>;
   const { metrics, constraints, cost } = { ...map, ...results.value };
+  const isOld = Boolean(results.value) && results.value?.of !== nameOf(map); // those of the map before, until this one is measured
   const facts = [...map.facts, ...(cost ? [["in Gazebo", cost] as const] : [])];
   return (
     <section class="panel" aria-label="Results">
       <h2 class="hidden">Results</h2>
       {map.warnings?.map((warning) => <p class="problem" key={warning}>{warning}</p>)}
-      {constraints?.length ? <><h3>Constraints</h3><ul class="lines">{constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
+      {constraints?.length ? <><h3>Constraints</h3><ul class="lines" aria-busy={isOld}>{constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
       <h3>Heights</h3>
       <Heights map={map} />
       <h3>Metrics</h3>
-      {metrics ? <Table rows={metrics} title="Metrics of the map" /> : <p class="empty">Measuring …</p>}
+      {metrics ? <Table rows={metrics} title="Metrics of the map" isOld={isOld} /> : <p class="empty">Measuring …</p>}
       {!frozen && <AllMetrics map={map} />}
       <h3>Recipe</h3>
       <Recipe map={map} />
-      {facts.length > 0 && <><h3>Facts</h3><dl class="facts">{facts.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl></>}
+      {facts.length > 0 && <><h3>Facts</h3><dl class="facts">{facts.map(([name, value]) => <div key={name} aria-busy={isOld && value === cost}><dt>{name}</dt><dd>{value}</dd></div>)}</dl></>}
     </section>
   );
 }
 
 /* All metrics, which take a moment: measured when they are asked for. */
 function AllMetrics({ map }: { map: SceneData }) {
-  const key = `${map.revision} ${map.index} ${robot.value}`;
+  const key = `${nameOf(map)} ${robot.value}`;
   const [open, setOpen] = useState(false);
-  const [rows, setRows] = useState(CACHE.key === key ? CACHE.rows : null);
+  const [measured, set] = useState(latest?.of === key ? latest : null);
+  const [failure, fail] = useState("");
   useEffect(() => {
     if (!open) return;
     let wanted = true;
-    const args = { index: index.value, ...(robot.value && { robot: robot.value }) };
-    void attempt(() => ask("measure", args), false).then((found) => {
-      if (wanted && found) setRows(found.rows);
-      if (found) Object.assign(CACHE, { key, rows: found.rows });
+    fail("");
+    void ask("measure", { index: map.index ?? 0, ...(robot.value && { robot: robot.value }) }).then((found) => {
+      latest = { of: key, rows: found.rows };
+      if (wanted) set(latest);
+    }, (error: unknown) => {
+      if (!(error instanceof Failed)) throw error;
+      if (!wanted) return;
+      set(null);
+      fail(error.message);
     });
     return () => void (wanted = false);
   }, [open, key]);
   return (
     <details onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>All metrics{robot.value && `, also those of ${robot.value}`}</summary>
-      {rows ? <Table rows={rows} title="All metrics" /> : <p class="empty">Measuring …</p>}
+      {measured ? <Table rows={measured.rows} title="All metrics" isOld={measured.of !== key} />
+        : failure ? <p class="problem" role="alert">{failure}</p> : <p class="empty">Measuring …</p>}
     </details>
   );
 }
@@ -109,9 +121,21 @@ function Recipe({ map }: { map: SceneData }) {
   );
 }
 
+/* Copy a text, and say whether that was possible. */
 export async function copy(text: string): Promise<void> {
-  await navigator.clipboard?.writeText(text).catch(() => null);
-  say("Copied");
+  // A page of another machine that came over plain HTTP has no clipboard, but may copy a selection.
+  const copied = navigator.clipboard ? await navigator.clipboard.writeText(text).then(() => true, () => false) : false;
+  say(copied || copySelection(text) ? "Copied" : "Your browser does not let this page copy; select the text, and copy it");
+}
+
+function copySelection(text: string): boolean {
+  const [before, area] = [document.activeElement, Object.assign(document.createElement("textarea"), { value: text })];
+  (document.querySelector("dialog[open]") ?? document.body).append(area); // nothing outside of an open dialog is selected
+  area.select();
+  const copied = document.execCommand("copy");
+  area.remove();
+  if (before instanceof HTMLElement) before.focus();
+  return copied;
 }
 
 /* ---- difficulty, and other seeds */

@@ -2,10 +2,9 @@
 
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
-import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
-import type { DescribedCommand, Field, Job, Json, SceneData, ShellTarget } from "./protocol";
+import type { DescribedCommand, Field, Job, Json, SceneData } from "./protocol";
 import { call, fileOf, Failed, manual } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state } from "./state";
 import { RatingCurves } from "./rating";
@@ -15,18 +14,6 @@ import { Picture, copy } from "./results";
 export const titleOf = (name: string): string => hello.value?.commands.find((command) => command.name === name)?.title ?? name;
 
 type Values = { [name: string]: Json | undefined };
-
-/* The command as somebody would type it; target: what stands for the document, or the map that it is run on. */
-function line(command: DescribedCommand, values: Values, output: string, target: ShellTarget): string {
-  const quoted = (text: string) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
-  const flags = command.fields.flatMap(({ name, flag, default: usual }) => {
-    const value = values[name];
-    if (value === undefined || value === usual) return [];
-    if (value === true) return flag ? [flag] : [];
-    return value === false || !flag ? [] : [flag, quoted(Array.isArray(value) ? value.map(shown).join(",") : shown(value))];
-  });
-  return target.before + ["rsegen", command.name, ...(target.text ? [target.text] : []), ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
-}
 
 const OUTPUTS: { [command: string]: string } = {
   generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain", spawn: "worlds", respawn: "worlds",
@@ -67,28 +54,47 @@ function usual(command: DescribedCommand, upload?: string, target?: string): { v
 
 const isEmpty = (value: Json | undefined) => value === undefined || value === null || value === "" || (Array.isArray(value) && !value.length);
 
+/* The first field whose text cannot be read, as what a run fails with: the value that stands for it is an earlier one. */
+function unreadIn(part: ParentNode): Failed["failure"] | null {
+  const input = part.querySelector<HTMLInputElement>("input:invalid");
+  if (!input) return null;
+  input.closest("details")?.setAttribute("open", "");
+  input.focus();
+  return { where: input.closest<HTMLElement>("[data-field]")?.dataset.field ?? "", text: input.validationMessage };
+}
+
 export function Run({ name, upload, target = "" }: { name: string; upload?: string; target?: string }) {
   const command = hello.value?.commands.find((each) => each.name === name);
   const id = useId();
   const [{ values, output }, set] = useState(() => (command ? usual(command, upload, target) : { values: {}, output: "" }));
-  const [stands, stand] = useState<ShellTarget>({ before: "", text: target });
+  const [line, setLine] = useState({ text: "", why: "…" }); // what does the same in a shell, or why there is none yet
+  const asked = () => ({
+    command: name, values: Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined)), ...(output && { output }), ...(target && { target }),
+  });
   useEffect(() => {
-    if (target || command?.target !== "recipe") return;
-    void attempt(() => ask("shell_target", { command: name, map_name: shown(values.map ?? "") }), false).then((found) => found && stand(found));
-  }, [name, target, values.map]);
+    let wanted = true;
+    void ask("shell_line", asked()).then((found) => wanted && setLine(found), (error: unknown) => {
+      if (!(error instanceof Failed)) throw error;
+    });
+    return () => void (wanted = false);
+  }, [values, output]);
   const [failure, fail] = useState<Failed["failure"] | null>(null);
+  // What may be replaced is what was asked about, and nothing that is named after the question.
+  const change: typeof set = (to) => { set(to); fail((now) => (now?.kind ? null : now)); };
   const [number, follow] = useState<number | null>(null);
   const close = () => (dialog.value = null);
+  const takesRecipe = command?.target === "recipe" && !target;
   if (!command) return <Modal title={name} close={close}><p>rsegen has no command {name}.</p></Modal>;
   const job = jobs.value.find((each) => each.id === number);
   const run = async (replace = false) => {
     fail(null);
+    const unread = unreadIn(form.current!) ?? (takesRecipe ? unreadIn(document) : null);
+    if (unread) return fail(unread);
     const missing = command.fields.find((field) => field.required && isEmpty(values[field.name]));
     if (missing) return fail({ where: missing.name, text: missing.missing ?? "" });
     remembered.set(name, { values, output });
-    const given = Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined));
     try {
-      const started = await ask("run", { command: name, values: given, ...(output && { output }), ...(target && { target }), ...(replace && { replace }) });
+      const started = await ask("run", { ...asked(), ...(replace && { replace }) });
       list(started);
       follow(started.id);
     } catch (error) {
@@ -103,20 +109,20 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
   return (
     <Modal title={command.title} close={close} wide={Boolean(job)}>
       {job ? <JobReport key={job.id} job={job} again={() => follow(null)} /> : (
-        <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
+        <form ref={form} noValidate onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}{target && <> — on <code>{target}</code></>} · <a href={manual(name)} target="_blank">Manual</a></p>
           <Form fields={fieldsOf(command, target)} values={values} problems={problems} explained
-            onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
+            onChange={(field, value) => change((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
           {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : " (optional)"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
-            <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
+            <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; change((now) => ({ ...now, output: text })); }} />
           </Labelled>}
-          <div class="shell"><code>{line(command, values, output, stands)}</code><Button icon="copy" class="quiet" title="Copy the command line" onClick={() => void copy(line(command, values, output, stands))} /></div>
-          {state.value?.problem && !target && command.target === "recipe" && <p class="problem" role="alert">Correct the recipe first: {state.value.problem.where}: {state.value.problem.text}</p>}
+          <div class="shell">{line.text ? <code>{line.text}</code> : <small>{line.why}</small>}<Button icon="copy" class="quiet" title="Copy the command line" disabled={!line.text} onClick={() => void copy(line.text)} /></div>
+          {state.value?.problem && takesRecipe && <p class="problem" role="alert">Correct the recipe first: {state.value.problem.where}: {state.value.problem.text}</p>}
           <footer class="actions">
             {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
             {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
             <button type="button" onClick={close}>Cancel</button>
-            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && !target && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace the existing files" : "Run"}</button></footer>
+            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && takesRecipe}>{failure?.kind === "exists" ? "Replace the existing files" : "Run"}</button></footer>
         </form>
       )}
     </Modal>
@@ -249,9 +255,9 @@ async function show(path: string): Promise<void> {
 
 const MOST_ROWS = 60; // longer ones are for programs
 
-/* The cells of a line of CSV. */
+/* The cells of a line of CSV, of which each follows a comma, so that an empty first one is a cell too. */
 const cellsOf = (row: string): string[] =>
-  [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
+  [...`,${row}`.matchAll(/,(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
 /* What a command says: text, with tables and headings of Markdown as such. */
 function Report({ text, isBad }: { text: string; isBad: boolean }) {

@@ -134,13 +134,23 @@ const draw = newest(async () => {
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
-/* What is measured of the map shown, and what it costs: asked for by the panel that shows it. */
-export const results = signal<MapResults | null>(null);
+/* The name of a map as it is drawn: of its document, its changes, and its place among the maps. */
+export const nameOf = (map: SceneData) => `${doc()} ${map.revision} ${map.index}`;
+
+/* What is measured of a map, and what it costs: asked for by the panel that shows it; of: the name of the map. */
+export const results = signal<(MapResults & { of: string }) | null>(null);
 
 export const measure = newest(async () => {
-  const wanted = doc();
-  const found = await ask("results", shownIndex());
-  if (wanted === doc()) results.value = found;
+  const map = scene.value;
+  if (!map) return;
+  const wanted = nameOf(map);
+  try {
+    const found = await ask("results", { index: map.index ?? null });
+    if (wanted.startsWith(`${doc()} `)) results.value = { ...found, of: wanted };
+  } catch (error) {
+    results.value = null; // and not those of another map
+    throw error;
+  }
 });
 
 /* Show an obstacle on the map before it is added; null: none. */
@@ -354,8 +364,10 @@ const ofRobot = () => ({ index: index.value, robot: robot.value });
 
 export const settle = newest(async (x: number, y: number) => {
   if (!robot.value) return;
-  put.value = [x, y];
-  pose.value = await ask("pose", { ...ofRobot(), x, y, heading: heading.value });
+  const wanted: [number, number] = [x, y];
+  put.value = wanted;
+  const found = await ask("pose", { ...ofRobot(), x, y, heading: heading.value });
+  if (put.value === wanted) pose.value = found; // the map, or the robot, may be another one meanwhile
 });
 
 /* Turn the robot where it is. */
