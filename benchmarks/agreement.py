@@ -435,7 +435,7 @@ def _climbs_table(climbs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     yield "|---|---|---|---|---|---|"
     by_kind: dict[tuple[str, ...], dict[float, bool]] = {}
     for one in climbs:
-        kind = one["robot"], one.get("sides", SIDES[0]), one["simulator"]
+        kind = one["robot"], one["sides"], one["simulator"]
         by_kind.setdefault(kind, {})[one["height"]] = one["climbed"]
     for (robot, sides, simulator), own in by_kind.items():
         held = min((height for height, climbed in own.items() if not climbed), default=None)

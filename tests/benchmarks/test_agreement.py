@@ -13,6 +13,7 @@ from benchmarks.agreement import (
     FRESH,
     MUJOCO,
     RECORDED,
+    SIDES,
     Outcome,
     World,
     climbs,
@@ -126,14 +127,17 @@ def test_the_interval_of_a_share_is_wilsons() -> None:
 
 def test_steps_that_a_robot_climbs_are_those_up_to_the_first_that_holds_it() -> None:
     steps = [
-        {"robot": "jackal", "simulator": CLASSIC, "height": height, "climbed": height != 0.03}
+        {"robot": "jackal", "sides": SIDES[0], "simulator": CLASSIC, "height": height, "climbed": height != 0.03}
         for height in (0.02, 0.03, 0.04)
     ]
     lines = list(table({"drives": [], "climbs": steps, "speeds": []}, []))
-    assert "| jackal | Classic | 2 cm | 3 cm | 2 to 4 cm |" in lines
+    assert "| jackal | both sides | Classic | 2 cm | 3 cm | 2 to 4 cm |" in lines
 
 
 def test_a_robot_is_upon_a_low_step_and_held_by_a_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     monkeypatch.setitem(agreement.STEPS, "jackal", agreement.Steps(2.0, range(1, 6, 4), 6))
     assert [(step["height"], step["climbed"]) for step in climbs(MUJOCO[0], "jackal")] == [(0.02, True), (0.1, False)]
+    (held,) = [step for step in climbs(MUJOCO[0], "jackal", SIDES[1]) if step["height"] == 0.1]
+    assert held["sides"] == SIDES[1]
+    assert not held["climbed"]
