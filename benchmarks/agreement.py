@@ -317,8 +317,8 @@ def measured(
 def _place(entry: Mapping[str, Any]) -> tuple[Any, ...]:
     """Return where an entry of the record is in it, apart from others that are measured at once with it."""
     course = list(COURSES).index(entry.get("course", RECORDED))
-    simulator = SIMULATED.index(entry.get("simulator", CLASSIC))
-    return course, _order(entry["robot"]), simulator, int(1e6 * entry.get("aside", 0.0))
+    sides, simulator = SIDES.index(entry.get("sides", SIDES[0])), SIMULATED.index(entry.get("simulator", CLASSIC))
+    return course, _order(entry["robot"]), sides, simulator, int(1e6 * entry.get("aside", 0.0))
 
 
 def _order(kind: str) -> tuple[int, str]:
