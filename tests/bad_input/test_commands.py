@@ -167,7 +167,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["--stock-cm: 0.0 is outside"]),
     "a sheet for short timber": (
         ["sheet", "peak", "-o", "s.pdf", "--stock-cm", "30"],
-        ["--stock-cm: 30 is too short for blocks of the highest level", "or more"],
+        ["--stock-cm: 30 cm is too short for blocks of the highest level", "or more"],
     ),
     "a sheet of large pallets": (
         ["sheet", "large.yaml", "-o", "s.pdf"],
