@@ -69,7 +69,7 @@ def test_blocks_longer_than_the_stock_get_no_sheet_unasked(
     assert main(["scan", str(tmp_path / "inches.xyz"), "-o", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
     assert "set the unit of the numbers (--values mm, cm or in)" in said
-    assert "no build sheet: stock_cm: 240 is too short" in said
+    assert "no build sheet: stock_cm: 240 cm is too short" in said
 
 
 @pytest.mark.slow
