@@ -475,7 +475,7 @@ STEPS: Mapping[str, Steps] = {
 }
 
 SIDES = "both sides", "one side"
-"""What of a robot meets a step."""
+"""Sides of a robot that meet a step."""
 
 _EASY = 0.3
 """Speed, m/s, at which a robot is driven against a step, at most: what climbs by its momentum has an easier field."""

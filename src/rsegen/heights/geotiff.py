@@ -75,7 +75,7 @@ _TURNS = {
     7: Turn(swapped=True, rows=True, columns=True),
     8: Turn(swapped=True, rows=True),
 }
-"""What makes an image of each orientation of Exif (CIPA DC-008) upright."""
+"""Turns that make an image upright, by its orientation in Exif (CIPA DC-008)."""
 
 
 def turn_of(image: Image) -> Turn:

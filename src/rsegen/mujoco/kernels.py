@@ -51,7 +51,8 @@ def turn_planes(
     xmat: wp.array2d[wp.mat33],
     body: wp.array[wp.int32],
     axis: wp.array[wp.vec3],
-    mu: wp.array[wp.vec3],
+    mu: wp.array[wp.vec2],
+    are_boxes: bool,
     belt: wp.array[wp.int32],
     speeds: wp.array2d[wp.float32],
     wedged: wp.array[wp.int32],
@@ -87,7 +88,7 @@ def turn_planes(
     along = wp.cross(across, normal)
     frames[at] = wp.matrix_from_rows(normal, along, across)
     halves = wp.vec2(wp.min(coefficients[0], along_axis), wp.min(coefficients[0], other))
-    if mu[own][2] > 0.0:
+    if are_boxes:
         twist, arm = twists[world, body[own]], points[at] - centres[world, roots[body[own]]]
         velocity = wp.spatial_bottom(twist) + wp.cross(wp.spatial_top(twist), arm)
         halves = corner_ellipse(halves, wp.vec2(wp.dot(velocity, along), wp.dot(velocity, across) + speed))

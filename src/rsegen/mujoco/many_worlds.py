@@ -193,7 +193,7 @@ class ManyWorlds:
             dim=data.naconmax,
             inputs=[
                 data.nacon, contact.geom, contact.worldid, data.xmat,
-                self._body, self._axis, self._mu, self._belt, self.speeds, self.wedged,
+                self._body, self._axis, self._mu, self._are_boxes, self._belt, self.speeds, self.wedged,
                 contact.pos, data.cvel, data.subtree_com, model.body_rootid,
             ],
             outputs=[contact.frame, contact.friction, contact.surfacevel],
@@ -224,16 +224,17 @@ class ManyWorlds:
         """Keep, for each geom, its body (-1: it is none of the robot), axis, friction and the side of its belt."""
         count = world.model.ngeom
         body, belt = np.full(count, -1, dtype=np.int32), np.full(count, -1, dtype=np.int32)
-        axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
+        axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 2), dtype=np.float32)
         for geom, own in world.shapes.directions.items():
-            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other, own.is_box)
+            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other)
         for _, side, geom in world.belts.belts:
             belt[geom] = side
         self._has_belts = bool(world.belts.belts)
         self._body: Any = wp.array(body)
         self._belt: Any = wp.array(belt)
         self._axis: Any = wp.array(axis, dtype=wp.vec3)
-        self._mu: Any = wp.array(mu, dtype=wp.vec3)
+        self._mu: Any = wp.array(mu, dtype=wp.vec2)
+        self._are_boxes = world.shapes.are_boxes
 
     def _keep_wheels(self, world: MujocoWorld) -> None:
         """Keep, for each wheel, its degree of freedom, its side, its speed by that of its belt, and its motor."""

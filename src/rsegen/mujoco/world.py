@@ -318,23 +318,20 @@ _SLEEP = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 
 
 class _Directions(NamedTuple):
-    """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across.
-
-    is_box: whether each has a limit of its own
-    """
+    """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across."""
 
     body: int
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
     mu_axis: float = inf
     mu_other: float = inf
-    is_box: bool = False
 
 
 class _Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION, from 1 on; names: of shapes by their number in MuJoCo
-    turned: whether the friction of any shape has a direction; speed: of the surface of each shape, m/s, 0 but for belts
+    turned: whether the friction of any shape has a direction; are_boxes: whether it is a box, that
+    of all shapes of a world or of none; speed: of the surface of each shape, m/s, 0 but for belts
 
     A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
     """
@@ -346,8 +343,8 @@ class _Shapes:
         self._part = [0] * model.ngeom
         self.directions: dict[int, _Directions] = {}
         self._axes: list[tuple[int, tuple[float, float, float]]] = []  # bodies, and axes in their frames, all different
-        # Of each shape: its row of `_axes`, its coefficients, and whether each has a limit of its own.
-        self._frictions: dict[int, tuple[int, float, float, bool]] = {}
+        # Of each shape: its row of `_axes`, and its coefficients.
+        self._frictions: dict[int, tuple[int, float, float]] = {}
         self.speed = [0.0] * model.ngeom
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
@@ -357,17 +354,17 @@ class _Shapes:
             if shape.axis is not None:
                 x, y, z = shape.axis.tolist()
                 mu_axis, mu_other = friction * shape.mu_axis, friction * shape.mu_other
-                own = _Directions(own.body, (x, y, z), mu_axis, mu_other, shape.is_box)
+                own = _Directions(own.body, (x, y, z), mu_axis, mu_other)
             elif shape.is_box:
-                own = _Directions(own.body, (0.0, 0.0, 0.0), is_box=True)
+                own = _Directions(own.body, (0.0, 0.0, 0.0))
             self.directions[geom] = own
             if (line := (own.body, own.axis)) not in self._axes:
                 self._axes.append(line)
-            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other, own.is_box
+            self._frictions[geom] = self._axes.index(line), own.mu_axis, own.mu_other
         self._roots = model.body_rootid.tolist()
         self._touched: Counter[bytes] = Counter()
-        self._has_boxes = any(shape.is_box for shape in shapes)
-        self.turned = self._has_boxes or any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
+        self.are_boxes = any(shape.is_box for shape in shapes)
+        self.turned = self.are_boxes or any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
 
     def count(self, contact: Any) -> None:
         """Count a step for each part that has contact."""
@@ -399,9 +396,9 @@ class _Shapes:
         axes: dict[int, tuple[float, float, float]] = {}  # of bodies, in the frame of the world
         found: list[float] = []  # of each contact: two directions, two coefficients, a speed
         owners, mus = map(max, contact.geom.tolist()), friction[:, 0].tolist()
-        velocity = self._velocity(data) if self._has_boxes else None
+        velocity = self._velocity(data) if self.are_boxes else None
         for at, (own, frame, mu) in enumerate(zip(owners, frames.tolist(), mus, strict=True)):
-            number, mu_axis, mu_other, is_box = known[own]
+            number, mu_axis, mu_other = known[own]
             if number not in axes:
                 body, (p, q, r) = self._axes[number]
                 a, b, c, d, e, f, g, h, i = xmat[body].tolist()
@@ -417,7 +414,7 @@ class _Shapes:
             x, y, z = x / length, y / length, z / length
             along = nz * y - ny * z, nx * z - nz * x, ny * x - nx * y
             mu_axis, mu_other = mu if mu < mu_axis else mu_axis, mu if mu < mu_other else mu_other
-            if velocity and is_box:
+            if velocity:
                 u, v, w = velocity(at, self._axes[number][0])
                 slip = along[0] * u + along[1] * v + along[2] * w
                 mu_axis, mu_other = corner_ellipse(mu_axis, mu_other, slip, x * u + y * v + z * w + surface)
@@ -426,7 +423,7 @@ class _Shapes:
         frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = rows[:, :6], rows[:, 6:8], rows[:, 8]
 
     def _velocity(self, data: Any) -> Callable[[int, int], tuple[float, float, float]]:
-        """Return what tells the velocity of a body, m/s, at a contact by its number, as it was in the step before."""
+        """Return a function for the velocity, m/s, at a contact by its number, of a body, as it was a step before."""
         twists, centres, points = data.cvel.tolist(), data.subtree_com.tolist(), data.contact.pos.tolist()
 
         def at_contact(contact: int, body: int) -> tuple[float, float, float]:
