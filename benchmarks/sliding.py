@@ -18,9 +18,9 @@ from scipy.optimize import root
 from benchmarks.machine import machine
 from rsegen.field.stepfield import Array
 from rsegen.mujoco import world as mujoco_world
+from rsegen.mujoco.contacts import slide
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import ROBOT, on_flat_ground, turned_within
-from rsegen.mujoco.world import slide
 from rsegen.robots.base import ROBOTS, Robot
 
 RATES = (0.1, 0.3, 1.0)

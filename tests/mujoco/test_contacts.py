@@ -10,19 +10,22 @@ import pytest
 
 from rsegen.driving.recording import drive_in_steps
 from rsegen.driving.robot_runs import robot_runs
+from rsegen.mujoco import contacts, friction
 from rsegen.mujoco import world as mujoco_world
 from rsegen.mujoco.robot_model import Shape
-from rsegen.mujoco.world import slide
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.lookup import robot_of
 from rsegen.scene.scene import compose
+from rsegen.simulators.poses import Pose
+from tests.mujoco.worlds import step_of, world_of
 
 
-class InNumpy(mujoco_world._Shapes):
+class InNumpy(contacts.Shapes):
     """Shapes whose contacts are turned and counted with arrays."""
 
-    def __init__(self, model: Any, shapes: list[Shape], friction: float) -> None:
-        super().__init__(model, shapes, friction)
+    def __init__(self, model: Any, shapes: list[Shape], friction: float, turns: None) -> None:
+        super().__init__(model, shapes, friction, turns)
         self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
         for shape in shapes:
             if shape.axis is not None:
@@ -48,7 +51,7 @@ class InNumpy(mujoco_world._Shapes):
         second = _cross(normal, axis)
         length = np.sqrt((second * second).sum(axis=0))
         mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), np.array(self.speed)[own]
-        beside = length <= mujoco_world.SIDE
+        beside = length <= contacts.SIDE
         second[:, beside], length[beside], mu[:, beside] = other[:, beside], 1.0, friction[beside, 0]
         surface[beside] = 0.0
         second /= length
@@ -89,9 +92,9 @@ def test_a_drive_has_the_bits_that_numpy_gives_it(kind: str, monkeypatch: pytest
     scene = compose(decode({"name": "field", **given}), 0)
     runs = robot_runs(scene.field, ROBOTS[kind], "straight", count=1, seed=1)
     states = []
-    own = mujoco_world._Shapes, slide, mujoco_world._make_constraints
+    own = contacts.Shapes, contacts.slide, mujoco_world._make_constraints
     for shapes, sliding, first_half in (own, (InNumpy, slide_in_numpy, first_half_with_the_map)):
-        monkeypatch.setattr(mujoco_world, "_Shapes", shapes)
+        monkeypatch.setattr(mujoco_world, "Shapes", shapes)
         monkeypatch.setattr(mujoco_world, "slide", sliding)
         monkeypatch.setattr(mujoco_world, "_make_constraints", first_half)
         world = mujoco_world.MujocoWorld(scene, runs)
@@ -106,12 +109,40 @@ def test_contacts_are_counted_where_they_are_asked_for_and_change_nothing() -> N
     scene = compose(decode({"name": "field", "boundary": "none", "seed": 5, "obstacles": []}), 0)
     runs = robot_runs(scene.field, ROBOTS["burger"], "straight", count=1, seed=1)
     states = []
-    for contacts in (True, False):
+    for counted in (True, False):
         world = mujoco_world.MujocoWorld(scene, runs)
-        samples = drive_in_steps(world, runs, 1.0, world.step_seconds, contacts=contacts)
-        assert bool(samples) == contacts
+        samples = drive_in_steps(world, runs, 1.0, world.step_seconds, contacts=counted)
+        assert bool(samples) == counted
         states.append((world.data.qpos.tobytes(), world.shares()[runs[0].name]))
     (with_contacts, shares), (without, none) = states
     assert with_contacts == without
     assert len([part for part, share in shares.items() if "wheel" in part and share > 0.9]) == 2
     assert none == {}
+
+
+def test_slips_are_those_of_mujocos_own_constraints_whichever_shape_comes_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A crawler drives up a step; MuJoCo has cylinders before boxes, and planes before both, in a contact."""
+    own, slips = friction.corner_ellipse, list[tuple[float, float]]()
+
+    def spy(halves: Any, slip: tuple[float, float], spent: Any) -> tuple[float, float]:
+        slips.append(slip)
+        return own(halves, slip, spent)
+
+    monkeypatch.setattr(contacts, "corner_ellipse", spy)
+    world = world_of("crawler", step_of(0.2), Pose(x=-1.8, y=0, z=0.005), motors="classic")
+    world.step(300)
+    world.drive("robot", robot_of("crawler"), 0.4, 0.0)
+    is_first, differences = [], []
+    for _ in range(1500):
+        slips.clear()
+        world.step(1)
+        data = world.data
+        for pair, row, slip in zip(data.contact.geom.tolist(), data.contact.efc_address.tolist(), slips, strict=True):
+            if row >= 0:
+                is_first.append(pair[0] > pair[1])
+                differences.append(np.abs(slip - data.efc_vel[row + 1 : row + 3]).max())
+    assert 100 < sum(is_first) < len(is_first) - 100
+    assert np.percentile(differences, 95) < 0.01  # ours are of a step before
+    assert np.percentile(np.array(differences)[is_first], 95) < 0.01

@@ -14,7 +14,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import SimulatorFailed
-from rsegen.mujoco import world as mujoco_world
+from rsegen.mujoco import contacts as mujoco_contacts
+from rsegen.mujoco.turning import turned_within
 from rsegen.mujoco.world import MujocoWorld
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
@@ -155,6 +156,20 @@ def test_what_slips_holds_across_only_as_in_classic(kind: str, height: float, fr
     assert turned["classic"] < turned["reaction"] / 3
 
 
+@pytest.mark.parametrize(
+    ("v", "w", "turned"),
+    [(0.0, 0.75, 0.753), (0.0, 1.5, 1.506), (0.1, 0.5, 0.022), (0.4, 0.8, 0.772), (0.4, -0.8, -0.772)],
+)
+def test_belts_turn_as_in_classic_without_a_measured_gain(v: float, w: float, turned: float) -> None:
+    """Rates of turn, rad/s, in Gazebo Classic 11.1; at 0.1 m/s its plug-in has the robot hardly turn at all."""
+    world = world_of("crawler", motors="classic")
+    world.gains = [7.0]  # unused
+    settled(world)
+    world.drive("robot", robot_of("crawler"), v, w)
+    world.step(500)
+    assert turned_within(world, 2.0) / 2.0 == pytest.approx(turned, abs=0.02)
+
+
 @pytest.mark.slow
 def test_belts_climb_a_step_as_high_as_their_ends() -> None:
     assert climbed("crawler", 0.1)
@@ -236,7 +251,7 @@ def test_belts_stall_while_they_are_pressed_with_many_weights(
     weights: int, moves: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Some ten contacts share what presses: each has more than the limit, which is lower here, as blocks are hard."""
-    monkeypatch.setattr(mujoco_world, "_WEDGED", 5.0)
+    monkeypatch.setattr(mujoco_contacts, "_WEDGED", 5.0)
     robot = robot_of("crawler")
     world = world_of(robot)
     first = settled(world)

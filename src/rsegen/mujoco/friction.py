@@ -34,12 +34,20 @@ MOST_RATIO = 24.0
 """Ratio of mu slip across and along from which on there is no slip along: an ellipse of friction is at most
 sqrt(1 + 24) = 5 times as long as its box, as MuJoCo solves contacts with the square of that."""
 
+STUCK = 1e-3
+"""Slip, m/s, as which a friction counts that is spent in full: MuJoCo's contacts creep by less where they hold."""
+
+SHARPNESS = 8
+"""Power of the share of a friction that is spent: 0.8 of it counts as a sixth of a friction that is spent in full."""
+
 STILL = 1e-6
-"""Slip, m/s, times its coefficient, of what does not slip."""
+"""Slip, m/s, times its coefficient, of what neither slips nor is held."""
 
 
-def corner_ellipse(mu: float, mu2: float, slip: float, slip2: float) -> tuple[float, float]:
-    """Return the half-axes of the ellipse that stands for a box of friction, for a slip along and across, m/s.
+def corner_ellipse(
+    halves: tuple[float, float], slips: tuple[float, float], spent: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the half-axes of the ellipse that stands for a box of friction.
 
             mu2 |     , - ~ ~ - ,          Coulomb's friction, and MuJoCo's, has one limit in all directions together: a
             +---|--'+           '+---      wheel that spins has spent it, and is pushed aside by anything. ODE's, in
@@ -49,9 +57,16 @@ def corner_ellipse(mu: float, mu2: float, slip: float, slip2: float) -> tuple[fl
             +---|--,+           ,+---      against its slip, so of these ellipses the one with
                 |     ' - _ _ - '          e^2 = 1 + mu2 slip2 / (mu slip) holds exactly as the box does, at its corner.
 
-    So a wheel that spins with hardly any slip to the side still holds there as the box does.
+    So a wheel that spins with hardly any slip to the side still holds there as the box does. What does not slip is held
+    by a force inside the box, and begins to slip at its nearer side: there the ellipse has to be as near, so a friction
+    that is spent counts as a slip.
+
+    halves: of the box, mu and mu2; slips: along and across, m/s; spent: shares of mu and mu2 that held a step before
     """
-    ratio = (mu2 * abs(slip2) + STILL) / (mu * abs(slip) + STILL)
+    (mu, mu2), (slip, slip2), (share, share2) = halves, slips, spent
+    held = STUCK * share**SHARPNESS if share < 1 else STUCK
+    held2 = STUCK * share2**SHARPNESS if share2 < 1 else STUCK
+    ratio = (mu2 * abs(slip2) + held2 + STILL) / (mu * abs(slip) + held + STILL)
     ratio = min(max(ratio, 1 / MOST_RATIO), MOST_RATIO)
     return mu * sqrt(1 + ratio), mu2 * sqrt(1 + 1 / ratio)
 

@@ -7,10 +7,11 @@ import mujoco
 import warp as wp
 from mujoco_warp._src.types import vec5
 
-from rsegen.mujoco import friction
-from rsegen.mujoco.world import SIDE
+from rsegen.mujoco import contacts, friction
 
 STILL, MOST_RATIO = wp.constant(friction.STILL), wp.constant(friction.MOST_RATIO)
+STUCK, SHARPNESS = wp.constant(friction.STUCK), wp.constant(float(friction.SHARPNESS))
+SIDE, LEAST_LEFT = wp.constant(contacts.SIDE), wp.constant(contacts.LEAST_LEFT)
 
 FRICTION = wp.constant(int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF))
 
@@ -36,11 +37,39 @@ def ramp(
 
 
 @wp.func
-def corner_ellipse(mu: wp.vec2, slip: wp.vec2) -> wp.vec2:
+def held(spent: wp.float32) -> wp.float32:
+    """Return the slip, m/s, as which a share of a friction counts that is spent."""
+    return STUCK * wp.pow(wp.min(spent, 1.0), SHARPNESS)
+
+
+@wp.func
+def corner_ellipse(mu: wp.vec2, slip: wp.vec2, spent: wp.vec2) -> wp.vec2:
     """Return what `rsegen.mujoco.friction.corner_ellipse` does."""
-    ratio = (mu[1] * wp.abs(slip[1]) + STILL) / (mu[0] * wp.abs(slip[0]) + STILL)
+    ratio = (mu[1] * wp.abs(slip[1]) + held(spent[1]) + STILL) / (mu[0] * wp.abs(slip[0]) + held(spent[0]) + STILL)
     ratio = wp.clamp(ratio, 1.0 / MOST_RATIO, MOST_RATIO)
     return wp.vec2(mu[0] * wp.sqrt(1.0 + ratio), mu[1] * wp.sqrt(1.0 + 1.0 / ratio))
+
+
+@wp.func
+def belt_arm(point: wp.vec3, place: wp.vec3, axis: wp.vec3, centre: wp.float32) -> wp.vec3:
+    """Return what `rsegen.mujoco.contacts.BeltTurn.arm` does."""
+    if wp.isinf(centre):
+        return axis
+    arm = point - place - centre * axis
+    if wp.length(arm) == 0.0:
+        return axis
+    return wp.normalize(arm)
+
+
+@wp.func
+def own_geom(pair: wp.vec2i, body: wp.array[wp.int32]) -> wp.int32:
+    """Return the shape of the robot in a contact, -1 if there is none."""
+    own = wp.max(pair[0], pair[1])
+    if body[own] < 0:
+        own = wp.min(pair[0], pair[1])
+    if own >= 0 and body[own] < 0:
+        own = -1
+    return own
 
 
 @wp.kernel(enable_backward=False)
@@ -56,46 +85,89 @@ def turn_planes(
     belt: wp.array[wp.int32],
     speeds: wp.array2d[wp.float32],
     wedged: wp.array[wp.int32],
+    base: wp.int32,
+    centre: wp.array[wp.float32],
+    places: wp.array2d[wp.vec3],
     points: wp.array[wp.vec3],
     twists: wp.array2d[wp.spatial_vector],
     centres: wp.array2d[wp.vec3],
     roots: wp.array[wp.int32],
+    spent: wp.array3d[wp.float32],
     frames: wp.array[wp.mat33],
     friction: wp.array[vec5],
     surface: wp.array[wp.vec3],
+    boxes: wp.array[wp.vec2],
 ) -> None:
-    """Turn the plane of a contact as `rsegen.mujoco.world` does: its second direction along n x a."""
+    """Turn the plane of a contact as `rsegen.mujoco.contacts.Shapes.turn` does: its second direction along n x a.
+
+    base: the body about which belts turn as in Gazebo Classic, -1 if they do not; boxes: halves of those of friction
+    """
     at = wp.tid()
     if at >= wp.min(count[0], geoms.shape[0]):
         return
     pair, world = geoms[at], worlds[at]
-    own = wp.max(pair[0], pair[1])
-    if body[own] < 0:
-        own = wp.min(pair[0], pair[1])
-    if own < 0 or body[own] < 0:
+    own = own_geom(pair, body)
+    if own < 0:
         return
     frame, coefficients = frames[at], friction[at]
     normal = wp.vec3(frame[0, 0], frame[0, 1], frame[0, 2])
-    across = wp.cross(normal, xmat[world, body[own]] * axis[own])
+    axle = xmat[world, body[own]] * axis[own]
+    across = wp.cross(normal, axle)
     length = wp.length(across)
-    along_axis, other, speed = mu[own][0], mu[own][1], wp.float32(0.0)
+    halves = wp.vec2(wp.min(coefficients[0], mu[own][0]), wp.min(coefficients[0], mu[own][1]))
+    speed = wp.float32(0.0)
     if belt[own] >= 0 and wedged[world] == 0:
         speed = speeds[world, belt[own]]
-    if length <= SIDE:
+    if belt[own] >= 0 and base >= 0:
+        along_belt = across
+        across = wp.cross(normal, belt_arm(points[at], places[world, base], axle, centre[world]))
+        length = wp.max(wp.length(across), LEAST_LEFT)
+        speed = speed * wp.dot(along_belt, across) / length
+        halves = halves * length
+    elif length <= SIDE:
         across, length = wp.vec3(frame[2, 0], frame[2, 1], frame[2, 2]), wp.float32(1.0)
-        along_axis, other, speed = coefficients[0], coefficients[0], wp.float32(0.0)
+        halves, speed = wp.vec2(coefficients[0], coefficients[0]), wp.float32(0.0)
     across = across / length
     along = wp.cross(across, normal)
     frames[at] = wp.matrix_from_rows(normal, along, across)
-    halves = wp.vec2(wp.min(coefficients[0], along_axis), wp.min(coefficients[0], other))
+    boxes[at] = halves
     if are_boxes:
         twist, arm = twists[world, body[own]], points[at] - centres[world, roots[body[own]]]
         velocity = wp.spatial_bottom(twist) + wp.cross(wp.spatial_top(twist), arm)
-        halves = corner_ellipse(halves, wp.vec2(wp.dot(velocity, along), wp.dot(velocity, across) + speed))
+        slip2 = wp.dot(velocity, across)
+        if own != pair[1]:
+            slip2 = -slip2
+        slips = wp.vec2(wp.dot(velocity, along), slip2 + speed)
+        halves = corner_ellipse(halves, slips, wp.vec2(spent[world, own, 0], spent[world, own, 1]))
     coefficients[0] = halves[0]
     coefficients[1] = halves[1]
     friction[at] = coefficients
     surface[at] = wp.vec3(0.0, speed, 0.0)
+
+
+@wp.kernel(enable_backward=False)
+def find_spent(
+    count: wp.array[wp.int32],
+    geoms: wp.array[wp.vec2i],
+    worlds: wp.array[wp.int32],
+    rows: wp.array2d[wp.int32],
+    force: wp.array2d[wp.float32],
+    body: wp.array[wp.int32],
+    boxes: wp.array[wp.vec2],
+    spent: wp.array3d[wp.float32],
+) -> None:
+    """Find how much of its box of friction each shape has spent, as `rsegen.mujoco.contacts.Shapes` does."""
+    at = wp.tid()
+    if at >= wp.min(count[0], geoms.shape[0]):
+        return
+    world, row, own = worlds[at], rows[at, 0], own_geom(geoms[at], body)
+    if own < 0 or row < 0:
+        return
+    normal = force[world, row]
+    if normal > 0.0:
+        for side in range(2):
+            share = wp.abs(force[world, row + 1 + side]) / (boxes[at][side] * normal)
+            wp.atomic_max(spent, world, own, side, share)
 
 
 @wp.kernel(enable_backward=False)
@@ -130,7 +202,7 @@ def slide(
     degrees: int,
     reference: wp.array2d[wp.float32],
 ) -> None:
-    """Correct the reference of a contact that slides, as `rsegen.mujoco.world.slide` does."""
+    """Correct the reference of a contact that slides, as `rsegen.mujoco.contacts.slide` does."""
     at = wp.tid()
     if at >= wp.min(count[0], worlds.shape[0]):
         return

@@ -6,7 +6,7 @@
     many.poses()
 
 All worlds begin as the given one. mujoco_warp steps them, and calls back at two places, where the drive of
-`rsegen.mujoco.world` does the same with one world:
+`rsegen.mujoco.contacts` does the same with one world:
 
     contacts --> planes of belts turned, surfaces moved --> constraints --> wheels' speeds, sliding --> solution
 
@@ -28,6 +28,7 @@ from rsegen.field.stepfield import Array
 from rsegen.mujoco import kernels
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF
 from rsegen.mujoco.world import MujocoWorld, free_joint_state
+from rsegen.robots.drives import Tracks
 from rsegen.simulators.poses import Pose
 
 _CONTACTS, _ROWS = 96, 320
@@ -71,6 +72,9 @@ class ManyWorlds:
             self._keep_wheels(world)
             self.speeds: Any = wp.zeros((worlds, 2), dtype=wp.float32)
             self.wedged: Any = wp.zeros(worlds, dtype=wp.int32)
+            self.centre: Any = wp.full(worlds, np.inf, dtype=wp.float32)
+            self._spent: Any = wp.zeros((worlds, compiled.ngeom, 2), dtype=wp.float32)
+            self._boxes: Any = wp.zeros(self.data.naconmax, dtype=wp.vec2)
             self.limit = world.belts.limits[0]
         self._gain = world.gains[0]
         self.model.callback.contactfilter, self.model.callback.control = self._turn, self._before_solving
@@ -108,7 +112,13 @@ class ManyWorlds:
 
     def drive(self, v: Any, w: Any) -> None:
         """Have robots drive at v, m/s forward, and w, rad/s counterclockwise: a number, or one for each world."""
-        left, right = self.sides(np.broadcast_to(v, self.worlds), np.broadcast_to(w, self.worlds))
+        v, w = np.broadcast_to(v, self.worlds), np.broadcast_to(w, self.worlds)
+        drive = self.robot.drive
+        if self._base >= 0 and isinstance(drive, Tracks):
+            left, right, centre = drive.classic_turn(v, w)
+            self.centre.assign(centre.astype(np.float32))
+        else:
+            left, right = self.sides(v, w)
         self.speeds.assign(np.stack([left, right], axis=-1).astype(np.float32))
 
     def sides(self, v: Any, w: Any) -> tuple[Any, Any]:
@@ -185,6 +195,18 @@ class ManyWorlds:
                     ],
                     outputs=[self.wedged],
                 )  # fmt: skip
+            if self._are_boxes:
+                self._spent.zero_()
+                contact = self.data.contact
+                wp.launch(
+                    kernels.find_spent,
+                    dim=self.data.naconmax,
+                    inputs=[
+                        self.data.nacon, contact.geom, contact.worldid, contact.efc_address,
+                        self.data.efc.force, self._body, self._boxes,
+                    ],
+                    outputs=[self._spent],
+                )  # fmt: skip
 
     def _turn(self, model: Any, data: Any) -> None:  # as mujoco_warp calls it
         contact = data.contact
@@ -194,9 +216,10 @@ class ManyWorlds:
             inputs=[
                 data.nacon, contact.geom, contact.worldid, data.xmat,
                 self._body, self._axis, self._mu, self._are_boxes, self._belt, self.speeds, self.wedged,
-                contact.pos, data.cvel, data.subtree_com, model.body_rootid,
+                self._base, self.centre, data.xpos, contact.pos, data.cvel, data.subtree_com, model.body_rootid,
+                self._spent,
             ],
-            outputs=[contact.frame, contact.friction, contact.surfacevel],
+            outputs=[contact.frame, contact.friction, contact.surfacevel, self._boxes],
         )  # fmt: skip
 
     def _before_solving(self, model: Any, data: Any) -> None:
@@ -235,6 +258,8 @@ class ManyWorlds:
         self._axis: Any = wp.array(axis, dtype=wp.vec3)
         self._mu: Any = wp.array(mu, dtype=wp.vec2)
         self._are_boxes = world.shapes.are_boxes
+        turns = world.belts.turns.values() if self._are_boxes else ()
+        self._base = next((turn.body for turn in turns), -1)
 
     def _keep_wheels(self, world: MujocoWorld) -> None:
         """Keep, for each wheel, its degree of freedom, its side, its speed by that of its belt, and its motor."""

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from rsegen.gazebo.sdf import numbers, system_name
 
 BACKENDS = ("classic", "sim", "fortress")
@@ -176,6 +178,9 @@ class Wheels(Drive):
 _MOVING = 0.1
 """Speed, m/s, below which Gazebo Classic's SimpleTrackedVehicle takes a turn for one in place."""
 
+_TURNING = 0.1
+"""Turn rate, rad/s, below which it takes a turn for a straight drive."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Tracks(Drive):
@@ -220,8 +225,21 @@ class Tracks(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command as a Twist."""
-        gain = self.in_place if abs(v) < _MOVING else 1
-        return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
+        return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, self._classic_rate(v, w)), "classic")
+
+    def classic_turn(self, v: Any, w: Any) -> tuple[Any, Any, Any]:
+        """Return what Classic's plug-in makes of its command, for numbers or arrays.
+
+        They are the speeds of the left and the right belt, m/s, and the metres from the body to the left at which the
+        plug-in has the centre of the turn, inf for none: on the far side of where the robot turns.
+        """
+        rate = self._classic_rate(v, w)
+        is_turn, is_in_place = np.abs(rate) >= _TURNING, np.abs(v) < _MOVING
+        centre = np.where(is_in_place, 0.0, -v / np.where(is_turn, rate, 1.0))
+        return *self.sides(v, rate, 1 / self.efficiency), np.where(is_turn, centre, np.inf)
+
+    def _classic_rate(self, v: Any, w: Any) -> Any:
+        return w * np.where(np.abs(v) < _MOVING, self.in_place, 1.0)
 
 
 def _limits(kind: str, most: float, of: str = "velocity") -> str:
