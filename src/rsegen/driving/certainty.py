@@ -1,4 +1,4 @@
-"""How much room to spare lanes need so that a robot crosses the maps of a recipe with a certainty.
+"""The room to spare that lanes need so that a robot crosses the maps of a recipe with a certainty.
 
     room to spare   0    0.2   0.4   0.6   0.8   1    2        the least that is sure enough, by bisection
     lanes           rough, crossed by chance .. even, level

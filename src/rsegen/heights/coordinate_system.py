@@ -39,7 +39,7 @@ Those of UTM are in the transverse one, and true to scale.
 _MERCATOR_IN_WKT = re.compile(
     r'\b(PROJECTION|METHOD)\s*[\[(]\s*"(?![^"]*(transverse|oblique))[^"]*mercator', re.IGNORECASE
 )
-"""That projection in WKT."""
+"""Mercator's projection in WKT."""
 
 _RADIUS, _AS_LARGE = 6_378_137.0, 1.001
 """The radius of the Earth in Mercator's projection, metres, and the enlargement up to which it does not count."""

@@ -54,7 +54,7 @@ _Number = TypeVar("_Number", bound="np.generic")
 
 
 class Turn(NamedTuple):
-    """How an image becomes upright: rows and columns swapped, then rows reversed, and columns reversed."""
+    """Turn that makes an image upright: rows and columns are swapped, then rows and columns reversed."""
 
     swapped: bool = False
     rows: bool = False

@@ -245,7 +245,7 @@ class _Colour(NamedTuple):
 
     @property
     def draws(self) -> tuple[int, int]:
-        """How many numbers mix the cells, and how many are chances of pairs."""
+        """Counts of the numbers that mix the cells, and of those that are chances of pairs."""
         paired = self.paired.stop if isinstance(self.paired, slice) else len(self.paired)
         return len(self.cells), paired // 2
 

@@ -59,7 +59,7 @@ class PlaceInDataSet(TypedDict):
 
 
 class State(TypedDict):
-    """All that pages show of a document."""
+    """Everything that pages show of a document."""
 
     doc: str
     opens: str  # by what it is opened again after a restart; empty: a new recipe
@@ -289,7 +289,7 @@ class Opened:
 
 @dataclass(kw_only=True)
 class Host:
-    """All documents by their ids, and the folder in which files may be read and written, and the commands that run."""
+    """Documents by their ids, the folder in which files may be read and written, and the commands that run."""
 
     folder: Path
     jobs: Jobs = field(default_factory=Jobs)

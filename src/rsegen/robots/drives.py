@@ -95,7 +95,7 @@ class Drive(ABC):
 
     @property
     def side_names(self) -> tuple[str, str]:
-        """What it drives on at its left and at its right, such as `front_left+rear_left`."""
+        """Names of the driven parts on the left and on the right, such as `front_left+rear_left`."""
         return "+".join(self.left), "+".join(self.right)
 
     @property
@@ -147,7 +147,7 @@ class Wheels(Drive):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Its hinges, the left ones first."""
+        """Names of the hinges, the left ones first."""
         return (*self.left, *self.right)
 
     def plugins(self, simulator: str, odometry: str = "") -> str:

@@ -447,7 +447,7 @@ def way(  # noqa: PLR0913  # each is named by the page
 
 
 class MetricRows(TypedDict):
-    """All metrics of a map, also those of a robot."""
+    """Metrics of a map, also those of a robot."""
 
     rows: list[tuple[str, str, str, str]]  # name, value, meaning, key
 

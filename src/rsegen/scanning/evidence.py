@@ -1,4 +1,4 @@
-"""Whether the grid that was found in a cloud is one of blocks: the lines between cells at which heights change.
+"""Evidence that the grid found in a cloud is one of blocks: the lines between cells at which heights change.
 
 Blocks that abut have their sides on the lines of one grid, so nearly every line has steps. A few boxes on a table have
 few sides, and through few sides there always is a grid:

@@ -55,7 +55,7 @@ class RobotOnField(CrossingModel):
 
     @property
     def room(self) -> float:
-        """How much room to spare lanes have that are made for it, as a share of what is usual."""
+        """Room to spare of lanes that are made for it, as a share of the default."""
         return 1.0
 
     def reach(self, field: StepField) -> Reach:
