@@ -93,7 +93,7 @@ class CellSides(NamedTuple):
         return abs(self.x - self.y) <= _ROUNDED * max(self.x, self.y)
 
     def of_blocks(self, cells_x: float, cells_y: float) -> CellSides:
-        """Return the sides of blocks of so many cells along x and y."""
+        """Return the sides of blocks of some cells along x and y."""
         return self._replace(x=self.x * cells_x, y=self.y * cells_y)
 
 

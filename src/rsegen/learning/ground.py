@@ -436,7 +436,7 @@ class Ground:
     def own(self, where: str, given: Any, least: int = 2) -> Any:
         """Return an array as one of the library of the levels, on their device.
 
-        Its last axis has so many numbers at least, or a ParameterError says `where` it comes from.
+        Its last axis has `least` numbers or more, or a ParameterError says `where` it comes from.
         """
         library, array = self._library_of(where, given)
         if library is not self.library:
@@ -515,7 +515,7 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     walked : array, shape (robots,)
         Distance from where each robot started, metres.
     commanded : array, shape (robots,)
-        Distance that it was told to walk, metres: its commanded speed times the time of an episode.
+        Distance that it was commanded to walk, metres: its commanded speed times the time of an episode.
     count : int
         Number of rows.
     length : float

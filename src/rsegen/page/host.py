@@ -1,7 +1,7 @@
 """The host of all documents that pages have open: recipes that are edited, each with its history and its file.
 
 Two pages on one file share its document. Calls run in threads; of one document one at a time, under its lock, but for
-those that only read. What changes is told to all pages of the document, as events.
+those that only read. What changes is sent to all pages of the document, as events.
 """
 
 from __future__ import annotations

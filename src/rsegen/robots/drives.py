@@ -184,7 +184,7 @@ class Tracks(Drive):
     left, right: links, the main track before its flippers
     mu, mu2: friction along and across a belt
     efficiency: how much of the tracks' difference in speed becomes a turn; the rest is skidding
-    in_place: how much more Classic's plug-in must be told to turn on the spot than in an arc, for the same turn rate
+    in_place: how much more Classic's plug-in must be commanded on the spot than in an arc for the same turn rate
     """
 
     body: str

@@ -330,7 +330,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it
         return None
     sizes = _sizes_by(it, separation=controller.separation, radius=controller.radius)
     if measured and abs(radius - measured) > _AGREES * measured:
-        # With a controller's figure the robot would drive at another speed than it is told.
+        # With a controller's figure the robot would drive at another speed than commanded.
         sizes += f", the radius by its wheels and not {radius:.4g} m"
         radius = measured
     if abs(separation - apart) > _AS_FAR * apart:  # skidding wheels turn as if they were farther apart

@@ -37,7 +37,7 @@ _EVEN = 0.0005
 """Metres within which the samples of a fine mesh are as low as each other, and flat."""
 
 _NEAR, _GAP = 3.2, 3.1
-"""Inside of a flat face a sample has others in its plane, up to so many distances away, on all sides: no angle between
+"""Inside of a flat face a sample has others in its plane, up to `_NEAR` distances away, on all sides: no angle between
 two directions to them is as large as that, radians; at a straight edge it is pi. Makers' meshes have 0.6 to 0.75 of
 their samples then, and rest where they did (tests/standing/test_fine_meshes.py)."""
 
@@ -48,7 +48,7 @@ _ROWS = 256
 """Samples whose distances to all others are measured together: ten megabytes."""
 
 _NEIGHBOURS = 8
-"""Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
+"""Samples of a group: those of a flat part are some 5 cm across, half a block of 10 cm."""
 
 
 _HIDES_NOTHING = ("mesh", "ellipsoid")

@@ -10,7 +10,7 @@ r"""Lanes: the pose of a robot at every step of a straight piece of its way, and
        sum of -s dx > v^2 / 2 g        sum of (lift - F dx) > v^2 / 4 g
 
    in weights, with F the friction of the driven contacts, mu times the load on them.
-3. Drops and slips are told, but do not end a lane: a robot that slides or falls forward goes on.
+3. Drops and slips are reported, but do not end a lane: a robot that slides or falls forward goes on.
 
 A round part, as a caster's ball of radius r with friction mu, is pushed up an edge as long as the contact leans by less
 than 90 degrees minus the angle of friction: up to a rise of r (1 - mu / sqrt(1 + mu^2)).
@@ -408,7 +408,7 @@ class _Steps:
 
 
 BESIDE = 0.003
-"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
+"""Metres to either side of a lane that have to be driven too: as far as a robot leaves its line in Gazebo."""
 
 FALL_ROOM = 0.02
 """Metres to either side of a lane with drops: of the crawler's ways over blocks of 10 cm with as much room 5 of 5 were

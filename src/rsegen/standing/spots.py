@@ -302,9 +302,9 @@ class _Judge:
         self.fall = float(pose.tip_energy[0]) / (body.mass * GRAVITY)
 
     def is_level(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Mask:
-        """Return where the ground is level below the feet, and nowhere too high, at places and so far ahead, (n,).
+        """Return where the ground is level below the feet, nowhere too high, at places and `along` ahead of them, (n,).
 
-        False with a foot on a frame; turn: to which side ahead is, radians. Most places are told by few look-ups: level
+        False with a foot on a frame; turn: to which side ahead is, radians. Few look-ups decide most places: level
         for sure if all cells around are, and not level if the feet differ.
         """
         # Cheapest first: the cells around, some feet, all feet; each only for the places that the last one left open.
@@ -404,7 +404,7 @@ class _Judge:
 
 
 def _extreme(ground: PaddedGround, cells: int, best: np.ufunc) -> PaddedGround:
-    """Return the least or largest height of the cells around each, up to so many away; NaN where one is on a frame."""
+    """Return the least or largest height of the cells around each, up to `cells` away; NaN where one is on a frame."""
     heights = ground.heights.reshape(ground.shape)
     for axis in range(2):
         padded = np.pad(heights, [(cells, cells) if axis == side else (0, 0) for side in range(2)])

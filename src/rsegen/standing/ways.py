@@ -252,7 +252,7 @@ class Lattice:
         self._is_driven.ravel()[places] = True
         places, ahead = self._moves_from(places)
         i, j, k = np.unravel_index(places, self.moves.shape)
-        # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
+        # Most moves of a robot that is smaller than the blocks end where it tips over: three poses rule them out.
         self._settle_at(np.concatenate([places, ahead]))
         left = np.flatnonzero(self._stands.ravel()[places] & self._stands.ravel()[ahead])
         if steps_on(self.body, self.field.block_width) > _FEW_STEPS:
@@ -761,7 +761,7 @@ def _connecting(tails: Ints, heads: Ints, is_diagonal: Ints, is_open: Mask) -> I
     _, first, part = np.unique(high[number], return_index=True, return_inverse=True)
     best = np.flatnonzero(pair[number] == pair[number][first][part])
     _, once = np.unique(2 * part[best] + onward[number][best], return_index=True)
-    # So many at least that a call is worth its cost.
+    # Enough of them to be worth the cost of a call.
     order = np.concatenate([best[once], np.delete(np.arange(len(number)), best[once])])
     return np.asarray(number[order[: max(len(once), _LEAST_MOVES)]])
 
