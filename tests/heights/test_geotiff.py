@@ -159,11 +159,13 @@ UNIT = '  <Item name="UNITTYPE" sample="0" role="unittype">{}</Item>\n'
 @pytest.mark.parametrize(
     ("tags", "values", "said"),
     [
-        ({42112: metadata(UNIT.format("ft"))}, "cm", "0.3048"),
-        ({42112: metadata(UNIT.format("metre"))}, "cm", "1"),
+        ({42112: metadata(UNIT.format("ft"))}, "cm", "ft"),
+        ({42112: metadata(UNIT.format("metre"))}, "cm", "m"),
+        ({42112: metadata(UNIT.format("US survey foot"))}, "m", "ft"),
+        ({42112: metadata(UNIT.format("US survey foot"))}, "ft", ""),
         ({42112: metadata(UNIT.format("cm"))}, "cm", ""),
         ({42112: metadata(UNIT.format("fathom"))}, "cm", ""),
-        ({34735: (1, 1, 0, 1, 4099, 0, 1, 9002)}, "cm", "0.3048"),
+        ({34735: (1, 1, 0, 1, 4099, 0, 1, 9002)}, "cm", "ft"),
         ({34735: (1, 1, 0, 1, 4099, 0, 1, 9001)}, "m", ""),
         ({}, "cm", ""),
     ],
@@ -172,10 +174,10 @@ def test_another_unit_of_heights_than_the_files_is_said(
     tmp_path: Path, tags: Mapping[int, Any], values: str, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = geotiff(tmp_path / "a.tif", ROWS, tags)
-    arguments = ["import", str(path), "--values", values, "-o", str(tmp_path / "worlds")]
+    arguments = ["import", str(path), "--values", values, "--any-heights", "-o", str(tmp_path / "worlds")]
     assert main(arguments) == 0
     printed = capsys.readouterr()
-    line = f"warning: heights are read in {values}, and by the file their unit is {said} m (--values)"
+    line = f"warning: heights are read in {values}, and by the file their unit is {said} (--values)"
     assert (line in printed.out + printed.err) == bool(said)
     assert ("by the file their unit is" in printed.out + printed.err) == bool(said)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, CoordinateSystem, of_keys, refuse_distorted
+from rsegen.heights.coordinate_system import IN_METRES, METRES, CellSides, CoordinateSystem, of_keys, refuse_distorted
 from rsegen.input_files import xml_root
 
 if TYPE_CHECKING:
@@ -36,15 +36,6 @@ _KIND, _OF_MASK = 254, 4
 
 _MOST_IMAGES = 32
 """Images of a file at most among which a mask is looked for: smaller copies have half of the size each."""
-
-_METRES = {
-    **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
-    **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
-    **dict.fromkeys(("us survey foot", "us-ft", "ftus"), 1200 / 3937),
-    **dict.fromkeys(("cm", "centimetre"), 0.01),
-    **dict.fromkeys(("mm", "millimetre"), 0.001),
-}
-"""Metres of units of heights as GDAL's metadata name them."""
 
 _ORIENTATION = 0x0112
 """The tag of Exif that says which way up an image is."""
@@ -117,7 +108,7 @@ def _system(image: Image) -> CoordinateSystem:
 def metres_up(path: Path, image: Image) -> float | None:
     """Return metres of the unit of heights by the metadata of GDAL or the keys of a file; None if it says none."""
     said = next((item.text for role, item in _items(path, image) if role == "unittype"), None) or ""
-    return _METRES.get(said.strip().lower(), _system(image).metres_up)
+    return METRES.get(said.strip().lower(), _system(image).metres_up)
 
 
 def sides(path: Path, image: Image) -> CellSides | None:
