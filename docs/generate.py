@@ -152,7 +152,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/ways",
         "standing/spots",
     ),
-    "Ground for robots that learn": ("learning/ground",),
+    "Ground for robots that learn": ("learning/ground", "learning/curriculum"),
     "Files and pictures": (
         "build_sheets/timber",
         "standing/posture",
