@@ -149,6 +149,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/pushing",
         "standing/resting",
         "standing/lanes",
+        "standing/careful_lanes",
         "standing/ways",
         "standing/spots",
     ),

@@ -11,13 +11,12 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import Wheels
 from rsegen.standing.body import Body
+from rsegen.standing.careful_lanes import _energy_left, careful
 from rsegen.standing.lanes import (
     FALL_ROOM,
     End,
     Lanes,
-    _energy_left,
     _grip,
-    careful,
     drive_lanes,
     entry_distance,
     straight,

@@ -37,6 +37,7 @@ from rsegen.field.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
+from rsegen.standing.careful_lanes import safely_passed
 from rsegen.standing.lanes import (
     BESIDE,
     FALL_ROOM,
@@ -47,7 +48,6 @@ from rsegen.standing.lanes import (
     entry_distance,
     lines_along,
     origins,
-    safely_passed,
     step_of,
     steps_on,
     straight,
