@@ -33,6 +33,7 @@ from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import mimics
 from rsegen.robots.mjcf import of_mujoco
+from rsegen.robots.motors import is_damped_at_the_end, light_wheels, slippery_wheels
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
@@ -40,13 +41,10 @@ from rsegen.robots.sdf_drives import (
     TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
-    is_damped_at_the_end,
-    light_wheels,
     missing_joints,
     named_tracks,
     named_wheels,
     plugin_key,
-    slippery_wheels,
     steered_wheels,
 )
 from rsegen.robots.sdf_shapes import (
