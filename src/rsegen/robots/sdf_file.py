@@ -59,9 +59,8 @@ from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
-from rsegen.standing.body import Body
+from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.kinds import RobotOnField
-from rsegen.standing.spots import body_of_size
 
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""

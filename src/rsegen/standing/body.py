@@ -394,3 +394,23 @@ def _hidden(points: Array, normals: Array, distance: float) -> Mask:
     np.minimum.at(lowest, bins, points[:, 2])
     allowed = np.where(normals[:, 2] < -0.9, 0.0025, _HIDDEN)  # flat ones have the same height in a bin
     return np.asarray(points[:, 2] >= lowest[bins] + allowed)
+
+
+def body_of_size(length: float, width: float) -> Body:
+    """Return the body of a box of a length and a width [m] that lies on the ground and drives with all its underside.
+
+    It is as high as it is long or wide, whichever is less, since nothing is known of its height.
+    """
+    height = min(length, width)
+    at = np.eye(4)
+    at[2, 3] = height / 2
+    distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
+    solid = sampled_box((length, width, height), distance)
+    return body_of_shapes(
+        [(CollisionPart("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
+        mass=1.0,
+        centre=np.array([0.0, 0.0, height / 2]),
+        speed=0.0,
+        distance=distance,
+        where="size",
+    )
