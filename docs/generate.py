@@ -150,7 +150,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/resting",
         "standing/lanes",
         "standing/careful_lanes",
-        "standing/ways",
+        "standing/lattice",
         "standing/spots",
     ),
     "Ground for robots that learn": ("learning/ground", "learning/curriculum"),

@@ -22,8 +22,8 @@ from rsegen.standing.lanes import (
     straight,
     surely_passed,
 )
+from rsegen.standing.lattice import Lattice
 from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
-from rsegen.standing.ways import Lattice
 from tests.standing.stands import BODIES, cart, field_of, settled
 
 BURGER = BODIES["burger"]
