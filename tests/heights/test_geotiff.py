@@ -64,6 +64,16 @@ def test_north_is_up_whatever_the_order_of_rows_and_columns(
         assert (heights_in(path, Picture(values="cm"), 10).levels == LEVELS).all()
 
 
+def test_white_of_a_tiff_of_12_bits_is_4095(tmp_path: Path) -> None:
+    tags = {256: 4, 257: 1, 258: 12, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 6}
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
+    pixels = bytes.fromhex("000555aaafff")
+    path = tmp_path / "a.tif"
+    path.write_bytes(struct.pack("<2sHI6s2xH", b"II", 42, 16, pixels, len(tags)) + entries + bytes(4))
+    assert brightness(path).ravel() == pytest.approx([0, 1 / 3, 2 / 3, 1])
+    assert heights_in(path, Picture(levels=4), 10).levels.ravel().tolist() == [0, 1, 2, 3]
+
+
 def test_columns_from_east_to_west_are_reversed_and_sides_are_lengths(tmp_path: Path) -> None:
     tags = {33550: (-0.25, 0.25, 0.0), 33922: (0.0, 0.0, 0.0, 5e5, 4e6, 0.0), 34735: UTM}
     read = heights_in(geotiff(tmp_path / "a.tif", np.ascontiguousarray(ROWS[:, ::-1]), tags), Picture(values="cm"), 10)

@@ -37,6 +37,9 @@ _KIND, _OF_MASK = 254, 4
 _MOST_IMAGES = 32
 """Images of a file at most among which a mask is looked for: smaller copies have half of the size each."""
 
+_BITS = 258
+"""The tag with the bits of a number."""
+
 _ORIENTATION = 0x0112
 """The tag of Exif that says which way up an image is."""
 
@@ -125,6 +128,12 @@ def sides(path: Path, image: Image) -> CellSides | None:
     longitude, latitude = place if len(place) == 2 else (np.nan, np.nan)
     refuse_distorted(path, system, (float(longitude), float(latitude)), IN_METRES)
     return CellSides(float(x), float(y), system.metres) if min(x, y) > 0 else None
+
+
+def white_of(image: Image) -> float:
+    """Return the number of white in an image of whole numbers up to 65535; a TIFF may have 12 bits for each."""
+    bits: int = _tags(image).get(_BITS, (16,))[0]
+    return float(2 ** min(bits, 16) - 1)
 
 
 def no_data(image: Image) -> float | None:

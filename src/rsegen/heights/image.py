@@ -231,7 +231,7 @@ def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints |
             problem = f"grey values of {grey.min()}..{grey.max()}; use an image of 8 or 16 bits, or set {_THEIR_UNIT}"
             raise FileError(f"{path}: {problem}")
         clear = [value for value in (image.info.get("transparency"), none) if isinstance(value, int | float)]
-        return grey, float(_WHITE_OF_16_BITS), ~np.isin(grey, clear) * _OPAQUE if clear else None
+        return grey, geotiff.white_of(image), ~np.isin(grey, clear) * _OPAQUE if clear else None
     opaque, bands = None, np.atleast_3d(np.asarray(image))
     if "A" in image.getbands() or "transparency" in image.info:
         image = image.convert("RGBA")
