@@ -31,7 +31,7 @@ from rsegen.params.streams import SEEDS
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import compose
 from rsegen.simulators.embedded import EMBEDDED
-from rsegen.standing.ways import BEST
+from rsegen.standing.lattice import BEST
 
 FILE = RESULTS / "asked.json"
 

@@ -36,7 +36,7 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     """Return the verdicts on a robot, and the CPU seconds of `reach`."""
     import rsegen
     from rsegen.recipe.examples import EXAMPLES
-    from rsegen.standing.ways import Lattice, reach
+    from rsegen.standing.lattice import Lattice, reach
 
     if unit:
         recipe = rsegen.Recipe(seed=seed, unit_cm=unit, boundary="none", obstacles=[rsegen.NormalRandom(levels=5)])

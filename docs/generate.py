@@ -149,10 +149,11 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/pushing",
         "standing/resting",
         "standing/lanes",
-        "standing/ways",
+        "standing/careful_lanes",
+        "standing/lattice",
         "standing/spots",
     ),
-    "Ground for robots that learn": ("learning/ground",),
+    "Ground for robots that learn": ("learning/ground", "learning/curriculum"),
     "Files and pictures": (
         "build_sheets/timber",
         "standing/posture",

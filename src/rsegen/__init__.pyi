@@ -32,8 +32,8 @@ from rsegen.geometry.box_merging import boxes as boxes
 from rsegen.geometry.mesh import Mesh as Mesh
 from rsegen.geometry.mesh_kinds import mesh as mesh
 from rsegen.heights.base import imported as imported
+from rsegen.learning.curriculum import next_rows as next_rows
 from rsegen.learning.ground import Ground as Ground
-from rsegen.learning.ground import next_rows as next_rows
 from rsegen.learning.ground import scan_points as scan_points
 from rsegen.learning.scans import ScanSensor as ScanSensor
 from rsegen.learning.terrain import Terrain as Terrain

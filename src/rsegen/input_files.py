@@ -246,7 +246,7 @@ _CUT_SHORT = "string or file could not be read to its end"
 """numpy before 2.3 only warns of it, and gives trimesh the numbers up to the wrong one."""
 
 _PANIC = "PanicException"
-"""What libraries in Rust raise where their code gives up: it is no Exception, and its class cannot be imported."""
+"""Name of the error of libraries in Rust whose code gives up: no Exception, and its class cannot be imported."""
 
 _Content = TypeVar("_Content")
 

@@ -117,7 +117,7 @@ def test_a_flag_asks_over_a_recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         ({"crossable_by": "jackal:sure"}, r"crossable_by: 'sure' is not a number"),
         ({"crossable_by": "jackal:"}, "crossable_by: '' is not a number"),
         ({"crossable_by": "jakal:0.9"}, "crossable_by: unknown robot 'jakal'.*did you mean 'jackal'"),
-        ({"crossable_by": "jackal:0.9", "crossable_room": 0.4}, "crossable_room: cannot be set beside jackal:0.9"),
+        ({"crossable_by": "jackal:0.9", "crossable_room": 0.4}, "crossable_room: cannot be set together with"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(asked: dict[str, object], says: str) -> None:

@@ -13,7 +13,8 @@ from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose, adjacent_pose
-from rsegen.standing.spots import GAP, Outline
+from rsegen.standing.outlines import Outline
+from rsegen.standing.spots import GAP
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 RECIPE = Recipe(chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Random(levels=2),))

@@ -35,7 +35,7 @@ def test_an_image_is_read_with_its_options(tmp_path: Path) -> None:
     ("words", "said"),
     [
         (["--invert"], "--invert: is not for this file, which is read as table (known: --rounded, --any-heights, "),
-        (["--values", "miles"], "--values: 'miles' is not one of auto, cm, mm, m, in, levels"),
+        (["--values", "miles"], "--values: 'miles' is not one of auto, cm, mm, m, in, ft, levels"),
         (["--unit-cm", "0"], "--unit-cm: 0.0 is outside 0.001..100000 cm"),
         (["--chunk-size", "3"], "--chunk-size: 3 does not divide 2 x 2 cells; 2 does"),
         (["--chunks", "1", "--chunk-size", "1"], "obstacles[0].rows: 2 cells along x from 0 on do not fit into 0..0"),

@@ -64,6 +64,16 @@ def test_north_is_up_whatever_the_order_of_rows_and_columns(
         assert (heights_in(path, Picture(values="cm"), 10).levels == LEVELS).all()
 
 
+def test_white_of_a_tiff_of_12_bits_is_4095(tmp_path: Path) -> None:
+    tags = {256: 4, 257: 1, 258: 12, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 6}
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
+    pixels = bytes.fromhex("000555aaafff")
+    path = tmp_path / "a.tif"
+    path.write_bytes(struct.pack("<2sHI6s2xH", b"II", 42, 16, pixels, len(tags)) + entries + bytes(4))
+    assert brightness(path).ravel() == pytest.approx([0, 1 / 3, 2 / 3, 1])
+    assert heights_in(path, Picture(levels=4), 10).levels.ravel().tolist() == [0, 1, 2, 3]
+
+
 def test_columns_from_east_to_west_are_reversed_and_sides_are_lengths(tmp_path: Path) -> None:
     tags = {33550: (-0.25, 0.25, 0.0), 33922: (0.0, 0.0, 0.0, 5e5, 4e6, 0.0), 34735: UTM}
     read = heights_in(geotiff(tmp_path / "a.tif", np.ascontiguousarray(ROWS[:, ::-1]), tags), Picture(values="cm"), 10)
@@ -159,11 +169,13 @@ UNIT = '  <Item name="UNITTYPE" sample="0" role="unittype">{}</Item>\n'
 @pytest.mark.parametrize(
     ("tags", "values", "said"),
     [
-        ({42112: metadata(UNIT.format("ft"))}, "cm", "0.3048"),
-        ({42112: metadata(UNIT.format("metre"))}, "cm", "1"),
+        ({42112: metadata(UNIT.format("ft"))}, "cm", "ft"),
+        ({42112: metadata(UNIT.format("metre"))}, "cm", "m"),
+        ({42112: metadata(UNIT.format("US survey foot"))}, "m", "ft"),
+        ({42112: metadata(UNIT.format("US survey foot"))}, "ft", ""),
         ({42112: metadata(UNIT.format("cm"))}, "cm", ""),
         ({42112: metadata(UNIT.format("fathom"))}, "cm", ""),
-        ({34735: (1, 1, 0, 1, 4099, 0, 1, 9002)}, "cm", "0.3048"),
+        ({34735: (1, 1, 0, 1, 4099, 0, 1, 9002)}, "cm", "ft"),
         ({34735: (1, 1, 0, 1, 4099, 0, 1, 9001)}, "m", ""),
         ({}, "cm", ""),
     ],
@@ -172,10 +184,10 @@ def test_another_unit_of_heights_than_the_files_is_said(
     tmp_path: Path, tags: Mapping[int, Any], values: str, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = geotiff(tmp_path / "a.tif", ROWS, tags)
-    arguments = ["import", str(path), "--values", values, "-o", str(tmp_path / "worlds")]
+    arguments = ["import", str(path), "--values", values, "--any-heights", "-o", str(tmp_path / "worlds")]
     assert main(arguments) == 0
     printed = capsys.readouterr()
-    line = f"warning: heights are read in {values}, and by the file their unit is {said} m (--values)"
+    line = f"warning: heights are read in {values}, and by the file their unit is {said} (--values)"
     assert (line in printed.out + printed.err) == bool(said)
     assert ("by the file their unit is" in printed.out + printed.err) == bool(said)
 

@@ -44,9 +44,9 @@ def test_measured_heights_are_rounded_and_the_residual_is_reported(tmp_path: Pat
     assert str(heights.rounding).startswith(f"rounded by {np.abs(NOISE).mean():.2g} cm on average, by ")
 
 
-@pytest.mark.parametrize("values", ["cm", "mm", "m", "in"])
+@pytest.mark.parametrize("values", ["cm", "mm", "m", "in", "ft"])
 def test_heights_may_have_any_given_unit(values: str, tmp_path: Path) -> None:
-    factor = {"cm": 1, "mm": 0.1, "m": 100, "in": 2.54}[values]
+    factor = {"cm": 1, "mm": 0.1, "m": 100, "in": 2.54, "ft": 30.48}[values]
     np.save(tmp_path / "heights.npy", LEVELS * 8.89 / factor)
     assert (build(imported(tmp_path / "heights.npy", Saved(values=values), 8.89)).levels == LEVELS).all()
 

@@ -25,7 +25,7 @@ from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import Server, running_server
-from rsegen.spawning.spawning import SpawnedMap
+from rsegen.spawning.placement import SpawnedMap
 from tests.real.bodies import SIZE, body
 from tests.support.complaints import the_line
 from tests.support.patience import PATIENCE

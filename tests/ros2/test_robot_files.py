@@ -17,7 +17,7 @@ import yaml
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.links import SdfPose, rotation
 from rsegen.ros2.robots import ROOT, ros_files
-from rsegen.standing.spots import Outline
+from rsegen.standing.outlines import Outline
 from tests.support.missing import missing
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.simulators.poses import Pose
-from rsegen.spawning.spawning import GAP, Area, SpawnedMap, free_area
+from rsegen.spawning.placement import GAP, Area, SpawnedMap, free_area
 
 METRES = st.floats(-20, 20)
 SIZES = st.floats(0, 3)

@@ -11,20 +11,19 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import Wheels
 from rsegen.standing.body import Body
+from rsegen.standing.careful_lanes import _energy_left, careful
 from rsegen.standing.lanes import (
     FALL_ROOM,
     End,
     Lanes,
-    _energy_left,
     _grip,
-    careful,
     drive_lanes,
     entry_distance,
     straight,
     surely_passed,
 )
+from rsegen.standing.lattice import Lattice
 from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
-from rsegen.standing.ways import Lattice
 from tests.standing.stands import BODIES, cart, field_of, settled
 
 BURGER = BODIES["burger"]

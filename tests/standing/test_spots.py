@@ -15,18 +15,15 @@ from hypothesis import strategies as st
 from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS
-from rsegen.standing.body import Body
+from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.lanes import drive_lanes
+from rsegen.standing.outlines import Bounds, Outline, apart, fits
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.settling import PaddedGround, outer_radius
 from rsegen.standing.spots import (
     MOST_TILT,
-    Outline,
     Spot,
-    apart,
-    body_of_size,
     find_spots,
-    fits,
 )
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
@@ -162,8 +159,8 @@ def test_too_large_or_too_many_values_are_refused(field: StepField, count: int, 
 
 
 def test_a_robot_fits_only_where_all_of_it_is_on_the_map() -> None:
-    assert fits(flat(3), body("burger"))
-    assert not fits(flat(5), body("crawler"))
+    assert fits(Bounds.of(flat(3)), body("burger"))
+    assert not fits(Bounds.of(flat(5)), body("crawler"))
 
 
 @pytest.mark.parametrize(("length", "width"), [(100, 100), (100, 0.3), (2.9, 0.1), (1.5, 2.7)])

@@ -15,9 +15,10 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, StepField
-from rsegen.standing import ways
+from rsegen.standing import lattice
 from rsegen.standing.lanes import End, straight
-from rsegen.standing.ways import BEST, Lattice, best_way, events, no_way, reach
+from rsegen.standing.lattice import BEST, Lattice, best_way, reach
+from rsegen.standing.ways import events, no_way
 from tests.standing.stands import BODIES, field_of
 
 KINDS = sorted(BODIES)
@@ -257,8 +258,8 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
 def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     field, shares = field_of(np.random.default_rng(2).integers(0, 3, (8, 6)), 0.02), list[float]()
     whole = Lattice(field, BODIES["crawler"]).region()
-    monkeypatch.setattr(ways, "_TURNS_AT_ONCE", 40)
-    monkeypatch.setattr(ways, "_MOVES_AT_ONCE", 40)
+    monkeypatch.setattr(lattice, "_TURNS_AT_ONCE", 40)
+    monkeypatch.setattr(lattice, "_MOVES_AT_ONCE", 40)
     assert np.array_equal(Lattice(field, BODIES["crawler"], watch=shares.append).region(), whole)
     assert shares == sorted(set(shares))
     assert shares[-1] == 1

@@ -123,7 +123,7 @@ def produce(
 ) -> Report:
     """Write the maps of a recipe, and say what was made.
 
-    beside: as in `generate`; found: what programs are told besides, in JSON
+    beside: as in `generate`; found: more for programs, in JSON
     """
     options = run_options(generate, arguments)
     with going_on(arguments, recipe), maps_bar(recipe) as progress:

@@ -185,7 +185,7 @@ class Parser(argparse.ArgumentParser):
 
     @property
     def actions(self) -> list[argparse.Action]:
-        """All arguments and flags, as `argparse` has them."""
+        """Arguments and flags of the command, as `argparse` has them."""
         return [*self._own, *(action for group in self.groups for action in group.actions)]
 
     @property

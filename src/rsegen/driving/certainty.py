@@ -1,4 +1,4 @@
-"""How much room to spare lanes need so that a robot crosses the maps of a recipe with a certainty.
+"""The room to spare that lanes need so that a robot crosses the maps of a recipe with a certainty.
 
     room to spare   0    0.2   0.4   0.6   0.8   1    2        the least that is sure enough, by bisection
     lanes           rough, crossed by chance .. even, level
@@ -64,9 +64,9 @@ def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
     low, high, best = 0, len(ROOMS), 0.0  # below low none is sure enough, from high on all are
     while low < high:
         middle, done = (low + high) // 2, 1 - (high - low) / len(ROOMS)
-        told = _certainty(replace(recipe, crossable_room=ROOMS[middle]), certainty, done)
-        best = max(best, told)
-        low, high = (low, middle) if told >= certainty else (middle + 1, high)
+        share = _certainty(replace(recipe, crossable_room=ROOMS[middle]), certainty, done)
+        best = max(best, share)
+        low, high = (low, middle) if share >= certainty else (middle + 1, high)
     report_share(_BAR, 1)
     if high == len(ROOMS):
         problem = f"the {recipe.crossable_by} crosses even level lanes of these maps with {best:.2f} at most"

@@ -83,7 +83,7 @@ class DriveResult:
     way : PlannedWay or None
         The way that the robots followed, on that route.
     prediction : Prediction or None
-        How surely a robot gets across, as drives in the embedded simulator told before.
+        How surely a robot gets across, as predicted by drives in the embedded simulator.
     image : bytes
         A JPEG of the end, empty without `picture`.
     video : bytes

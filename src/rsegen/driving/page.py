@@ -106,9 +106,9 @@ def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
         scene = scene_of_document(host, doc, index)
         found = predictions(robot_of_page(host, robot), scene)
     sides = {side: side.replace("_", " to ") for side in found}
-    told = "; ".join(f"{name}: {found[side]}" for side, name in sides.items())
+    text = "; ".join(f"{name}: {found[side]}" for side, name in sides.items())
     return {
-        "text": told or "MuJoCo is not installed, so it cannot be driven here",
+        "text": text or "MuJoCo is not installed, so it cannot be driven here",
         "region": base64_of(np.ones(scene.field.shape), "u1"),
         "ways": [
             {"points": draped(scene.field, outcome.path).tolist(), "name": sides[side], "crosses": not outcome.reason}

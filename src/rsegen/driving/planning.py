@@ -34,7 +34,8 @@ from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.standing.lanes import straight
-from rsegen.standing.ways import BEST, Lattice, Way, no_way
+from rsegen.standing.lattice import BEST, Lattice
+from rsegen.standing.ways import Way, no_way
 from rsegen.writing.execute import cores
 
 SURE = 0.9
@@ -50,7 +51,7 @@ _TRIES, _LANES = 8, 4
 def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> Prediction:
     """Return how surely a robot gets from west to east, on the surest of the ways that were tried.
 
-    best: of which sort ways are, one of rsegen.standing.ways.BEST. SimulatorFailed if no drive has a result.
+    best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
     tried: list[tuple[Prediction, RobotRun]] = []
     failure: SimulatorFailed | None = None

@@ -69,7 +69,7 @@ _LONG, _MORE = 3.0, 15.0
 
 
 def _probability(crossed: int, drives: int) -> float:
-    """Return the probability of crossing if so many of some drives cross."""
+    """Return the probability of crossing if `crossed` of `drives` drives cross."""
     return (crossed + PRIOR) / (drives + 2 * PRIOR)
 
 
@@ -216,7 +216,7 @@ class Predictor:
         return self._prediction(outcomes, run, number)
 
     def failures_below(self, probability: float, most: int) -> int:
-        """Return after how many failures, at most so many, first drives cannot say more than a probability."""
+        """Return the number of failures, up to `most`, after which first drives cannot say more than a probability."""
         count = min(FIRST, self.drives)
         return next(
             (failures for failures in range(1, most) if _probability(count - failures, count) <= probability), most

@@ -39,7 +39,7 @@ def counted_forwards(path: Path, file: BufferedReader) -> IO[bytes]:
 
 
 def _forwards(corner: bytes, counts: list[int]) -> bytes:
-    """Return a corner such as -1//-1 counted forwards, after so many points, texture coordinates and normals."""
+    """Return a corner such as -1//-1 counted forwards, given the counts of points, texture coordinates and normals."""
     numbers = corner.split(b"/")
     pairs = zip(numbers, counts, strict=False)
     return b"/".join(b"%d" % (count + 1 + int(number)) if number[:1] == b"-" else number for number, count in pairs)

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Annotated, ClassVar
 
 from rsegen.errors import FileError
-from rsegen.heights.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.heights.base import USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.heights.measured import Measured
-from rsegen.params.sorts import Choice
+from rsegen.params.sorts import CENTIMETRES, Choice
 
 
 @register
@@ -20,7 +20,7 @@ class Saved(Measured):
     name: ClassVar[str] = "array"
     suffixes: ClassVar[tuple[str, ...]] = (".npy",)
 
-    values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="unit of the numbers; in: inches")] = "cm"
+    values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="unit of the numbers; in: inches; ft: feet")] = "cm"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an array, whose shape is checked before anything is read."""

@@ -23,8 +23,7 @@ from rsegen.cli.parameters import RESERVED_FLAGS
 from rsegen.errors import FileError, ParameterError
 from rsegen.input_files import first_inside
 from rsegen.params.registry import Contract, Registry, name_conflict
-from rsegen.params.sorts import CENTIMETRES as UNITS
-from rsegen.params.sorts import Cell, validate
+from rsegen.params.sorts import CENTIMETRES, Cell, validate
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -52,9 +51,6 @@ _WHOLE = 1e-3
 
 _VISIBLE_CM = 1e-3
 """Rounding errors up to this are those of decimals, and are not reported."""
-
-CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
-"""Centimetres of what a file's numbers may be."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

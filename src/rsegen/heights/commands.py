@@ -20,7 +20,7 @@ from rsegen.cli.report import Report, counted
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
 from rsegen.params.numbers import decimal, lengths_in
-from rsegen.params.sorts import FilePath, Flag, parameters
+from rsegen.params.sorts import CENTIMETRES, FilePath, Flag, parameters
 from rsegen.pictures.flags import picture_of
 from rsegen.recipe.recipe import Recipe
 
@@ -88,12 +88,11 @@ _SAME_UNIT = 1e-4
 
 def _other_unit(heights: Heights, values: str) -> Iterator[str]:
     """Yield a line if the file says that its heights are in another unit than in the one that the user says."""
-    from rsegen.heights.base import CENTIMETRES
-
     said, read = heights.metres_up, CENTIMETRES.get(values, 0) / 100
     if said and read and abs(read / said - 1) > _SAME_UNIT:
-        unit = decimal(round(said, 6))
-        yield f"warning: heights are read in {values}, and by the file their unit is {unit} m (--values)"
+        near = (name for name, length in CENTIMETRES.items() if abs(length / 100 / said - 1) <= _SAME_UNIT)
+        unit = next(near, f"{decimal(round(said, 6))} m")
+        yield f"warning: heights are read in {values}, and by the file their unit is {unit} (--values)"
 
 
 def _width(heights: Heights, recipe: Recipe, *, is_given: bool) -> Iterator[str]:

@@ -10,7 +10,7 @@ projects nothing.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import atan, cos, degrees, isfinite, radians, sinh
 from pathlib import Path
 from typing import NamedTuple
@@ -39,7 +39,7 @@ Those of UTM are in the transverse one, and true to scale.
 _MERCATOR_IN_WKT = re.compile(
     r'\b(PROJECTION|METHOD)\s*[\[(]\s*"(?![^"]*(transverse|oblique))[^"]*mercator', re.IGNORECASE
 )
-"""That projection in WKT."""
+"""Mercator's projection in WKT."""
 
 _RADIUS, _AS_LARGE = 6_378_137.0, 1.001
 """The radius of the Earth in Mercator's projection, metres, and the enlargement up to which it does not count."""
@@ -48,8 +48,14 @@ _GEOGRAPHIC, _DOUBLES = 2, 34736
 """The type of a system of longitudes and latitudes, and the tag with the values of keys that are no integers."""
 
 _METRE = 9001
-_METRES = {_METRE: 1.0, 9002: 0.3048, 9003: 1200 / 3937}
-"""Metres of units by their codes of EPSG: metre, foot, and US survey foot."""
+METRES: Mapping[int | str, float] = {
+    **dict.fromkeys((_METRE, "m", "metre", "meter", "metres", "meters"), 1.0),
+    **dict.fromkeys((9002, "ft", "foot", "feet"), 0.3048),
+    **dict.fromkeys((9003, "us survey foot", "us-ft", "ftus"), 1200 / 3937),
+    **dict.fromkeys(("cm", "centimetre"), 0.01),
+    **dict.fromkeys(("mm", "millimetre"), 0.001),
+}
+"""Metres of units by their codes of EPSG, and by their names in GDAL's metadata and in Esri's files."""
 
 _PLANE = {"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS"}
 _OF_DEGREES = {"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS"}
@@ -93,7 +99,7 @@ class CellSides(NamedTuple):
         return abs(self.x - self.y) <= _ROUNDED * max(self.x, self.y)
 
     def of_blocks(self, cells_x: float, cells_y: float) -> CellSides:
-        """Return the sides of blocks of so many cells along x and y."""
+        """Return the sides of blocks of some cells along x and y."""
         return self._replace(x=self.x * cells_x, y=self.y * cells_y)
 
 
@@ -108,16 +114,16 @@ def of_keys(keys: Sequence[int], doubles: Sequence[float] = ()) -> CoordinateSys
     is_geographic = values.get(_MODEL_TYPE) == _GEOGRAPHIC
     size = _length(values.get(_UNIT_SIZE))
     unit = values.get(_UNIT, _METRE if values.get(_SYSTEM) in _ZONES else 0)
-    metres = None if is_geographic else _METRES.get(int(unit), size)
+    metres = None if is_geographic else METRES.get(int(unit), size)
     is_mercator = values.get(_SYSTEM) in _MERCATORS or values.get(_PROJECTION) == _MERCATOR
-    return CoordinateSystem(is_geographic, metres, _METRES.get(int(values.get(_UNIT_UP, 0))), is_mercator)
+    return CoordinateSystem(is_geographic, metres, METRES.get(int(values.get(_UNIT_UP, 0))), is_mercator)
 
 
 def of_wkt(text: str) -> CoordinateSystem:
     """Return the system that a text in WKT defines; in Esri's older form, lines of names and values, too."""
     if line := re.search(r"^\s*units\s+(\w+)", text[:_MOST_BYTES], re.IGNORECASE | re.MULTILINE):
-        unit = line[1].upper()
-        return CoordinateSystem(unit in ("DD", "DS"), {"METERS": 1.0, "FEET": 0.3048}.get(unit))
+        unit = line[1].lower()
+        return CoordinateSystem(unit in ("dd", "ds"), METRES.get(unit))
     opened, seen, words, lengths = list[str](), set[str](), set[str](), dict[bool, float]()
     for keyword, _, end, word in _TOKEN.findall(text[:_MOST_BYTES]):
         if keyword and len(opened) >= _DEEPEST:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.heights.coordinate_system import IN_METRES, CellSides, CoordinateSystem, of_keys, refuse_distorted
+from rsegen.heights.coordinate_system import IN_METRES, METRES, CellSides, CoordinateSystem, of_keys, refuse_distorted
 from rsegen.input_files import xml_root
 
 if TYPE_CHECKING:
@@ -37,14 +37,8 @@ _KIND, _OF_MASK = 254, 4
 _MOST_IMAGES = 32
 """Images of a file at most among which a mask is looked for: smaller copies have half of the size each."""
 
-_METRES = {
-    **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
-    **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
-    **dict.fromkeys(("us survey foot", "us-ft", "ftus"), 1200 / 3937),
-    **dict.fromkeys(("cm", "centimetre"), 0.01),
-    **dict.fromkeys(("mm", "millimetre"), 0.001),
-}
-"""Metres of units of heights as GDAL's metadata name them."""
+_BITS = 258
+"""The tag with the bits of a number."""
 
 _ORIENTATION = 0x0112
 """The tag of Exif that says which way up an image is."""
@@ -54,7 +48,7 @@ _Number = TypeVar("_Number", bound="np.generic")
 
 
 class Turn(NamedTuple):
-    """How an image becomes upright: rows and columns swapped, then rows reversed, and columns reversed."""
+    """Turn that makes an image upright: rows and columns are swapped, then rows and columns reversed."""
 
     swapped: bool = False
     rows: bool = False
@@ -117,7 +111,7 @@ def _system(image: Image) -> CoordinateSystem:
 def metres_up(path: Path, image: Image) -> float | None:
     """Return metres of the unit of heights by the metadata of GDAL or the keys of a file; None if it says none."""
     said = next((item.text for role, item in _items(path, image) if role == "unittype"), None) or ""
-    return _METRES.get(said.strip().lower(), _system(image).metres_up)
+    return METRES.get(said.strip().lower(), _system(image).metres_up)
 
 
 def sides(path: Path, image: Image) -> CellSides | None:
@@ -134,6 +128,12 @@ def sides(path: Path, image: Image) -> CellSides | None:
     longitude, latitude = place if len(place) == 2 else (np.nan, np.nan)
     refuse_distorted(path, system, (float(longitude), float(latitude)), IN_METRES)
     return CellSides(float(x), float(y), system.metres) if min(x, y) > 0 else None
+
+
+def white_of(image: Image) -> float:
+    """Return the number of white in an image of whole numbers up to 65535; a TIFF may have 12 bits for each."""
+    bits: int = _tags(image).get(_BITS, (16,))[0]
+    return float(2 ** min(bits, 16) - 1)
 
 
 def no_data(image: Image) -> float | None:

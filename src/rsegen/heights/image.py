@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.heights import geotiff
-from rsegen.heights.base import CENTIMETRES, USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
+from rsegen.heights.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.heights.coordinate_system import CellSides
 from rsegen.heights.measured import Measured
 from rsegen.input_files import numbers_of, opened_image
-from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
+from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _WHITE_OF_16_BITS = 65535
 """The largest grey value of 16 bits; Pillow reads such images as 32-bit integers."""
 
-_THEIR_UNIT = "values m, cm, mm or in if they are heights"
+_THEIR_UNIT = "values m, cm, mm, in or ft if they are heights"
 
 _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 
@@ -61,7 +61,7 @@ class Picture(Measured):
         str,
         Choice(
             ("grey", *CENTIMETRES, "depth"),
-            help="meaning of the pixels: grey, shares of the highest level; cm, mm, m or in, heights in this unit; "
+            help="meaning of the pixels: grey, shares of the highest level; cm, mm, m, in or ft, heights in this unit; "
             "depth, distances from a level camera in mm, or m if they are floating-point numbers, 0 for none",
         ),
     ] = "grey"
@@ -231,7 +231,7 @@ def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints |
             problem = f"grey values of {grey.min()}..{grey.max()}; use an image of 8 or 16 bits, or set {_THEIR_UNIT}"
             raise FileError(f"{path}: {problem}")
         clear = [value for value in (image.info.get("transparency"), none) if isinstance(value, int | float)]
-        return grey, float(_WHITE_OF_16_BITS), ~np.isin(grey, clear) * _OPAQUE if clear else None
+        return grey, geotiff.white_of(image), ~np.isin(grey, clear) * _OPAQUE if clear else None
     opaque, bands = None, np.atleast_3d(np.asarray(image))
     if "A" in image.getbands() or "transparency" in image.info:
         image = image.convert("RGBA")

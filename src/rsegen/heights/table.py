@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.heights.base import (
-    CENTIMETRES,
     MOST_CELLS,
     USUAL_UNIT_CM,
     Heights,
@@ -30,7 +29,7 @@ from rsegen.heights.base import (
 from rsegen.heights.coordinate_system import IN_METRES, CellSides, beside, refuse_distorted
 from rsegen.heights.measured import Measured
 from rsegen.input_files import text_of
-from rsegen.params.sorts import Cell, Choice, parameters
+from rsegen.params.sorts import CENTIMETRES, Cell, Choice, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -145,7 +144,7 @@ class Table(Measured):
         str,
         Choice(
             ("auto", *CENTIMETRES, "levels"),
-            help="unit of the numbers; auto: as in files of rsegen, else cm; in: inches",
+            help="unit of the numbers; auto: as in files of rsegen, else cm; in: inches; ft: feet",
         ),
     ] = "auto"
 
@@ -162,7 +161,7 @@ class Table(Measured):
             return self.measured(path, _listed(path, text, head) * CENTIMETRES[written], unit, own_values)
         if is_esri_grid(text):
             if self.values == "auto":
-                raise ParameterError("values", f"{path} is a grid that does not say its unit; set m, cm, mm or in")
+                raise ParameterError("values", f"{path} is a grid that does not say its unit; set m, cm, mm, in or ft")
             unit = unit_cm or USUAL_UNIT_CM
             numbers, cells = _of_esri_grid(path, text)
             return self.measured(path, numbers * {**CENTIMETRES, "levels": unit}[self.values], unit, cells=cells)

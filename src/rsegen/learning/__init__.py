@@ -1,7 +1,7 @@
 """Step fields for those who train robots: what plugs into their frameworks, a file for each, and what all of them need.
 
-    ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax; next_rows: which row of a
-                 terrain a robot goes to next
+    ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax
+    curriculum   next_rows: which row of a terrain a robot goes to next
     scans        ScanSensor: scans with noise, steps, lost rays, a delay, and a map that drifts
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
@@ -38,7 +38,8 @@ CAPABILITY = Capability(
         ),
     ),
     public={
-        "rsegen.learning.ground": ("Ground", "next_rows", "scan_points"),
+        "rsegen.learning.curriculum": ("next_rows",),
+        "rsegen.learning.ground": ("Ground", "scan_points"),
         "rsegen.learning.scans": ("ScanSensor",),
         "rsegen.learning.terrain": ("Terrain",),
     },

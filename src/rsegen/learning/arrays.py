@@ -60,7 +60,7 @@ def with_values(array: Any, place: tuple[Any, ...], values: Any) -> Any:
 
 
 def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
-    """Return the least and the highest level in each rectangle of so many cells along x and y: (..., n_x, n_y) each."""
+    """Return the least and the highest level in each rectangle of `wide` cells along x and y: (..., n_x, n_y) each."""
     library, ends = _library(_package(levels)), []
     for combine in (library.minimum, library.maximum):
         own = levels

@@ -29,7 +29,7 @@ _SAMPLES, _RADIUS = Integer(1, 20), Float(0, 100)
 
 
 class StepFieldTerrain:
-    """What legged_gym's tasks read of a terrain. x and y are metres from the corner of the field, z from its floor.
+    """A terrain as legged_gym's tasks read it. x and y are metres from the corner of the field, z from its floor.
 
     terrain: has one friction; cfg: `cfg.terrain` of a task, which is given the terrain's figures; num_robots: of the
     task; samples: of heights along each side of a block; spawn_radius: metres along x and y from the middle of a tile,

@@ -153,7 +153,7 @@ class Terrain(TerrainDesign):
 
     @cached_property
     def field(self) -> StepField:
-        """All tiles in one field, whose middle is the origin."""
+        """The field of all tiles, whose middle is the origin."""
         first = self._kinds[0]
         levels = np.full(self._shape, self._ground, dtype=np.int16)
         for row, column in np.ndindex(self.rows, self.columns):

@@ -404,7 +404,7 @@ def _why_not(way: Any) -> str:
 
 def _way(way: Any) -> str:
     if way.length is None:
-        # Drives may cross where poses find no way, and are told above.
+        # Drives may cross where poses find no way, and are reported above.
         return f"none by its poses; {why}" if (why := _why_not(way)) else "none"
     straight = f"{way.length:.2f} m, {way.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(way, "cost", None), float):

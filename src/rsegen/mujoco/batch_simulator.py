@@ -16,7 +16,7 @@ from rsegen.simulators.batch import BatchSimulator, BatchWorlds, register
 from rsegen.simulators.embedded import PlacedRobot
 
 _ON_GPU, _ON_CPU = 4096, 64
-"""Worlds of a batch: a GPU is busy with so many, and has room for them; a CPU steps one after the other."""
+"""Worlds of a batch: these keep a GPU busy, and fit into it; a CPU steps one after the other."""
 
 _BLOCKS, _MEMORY = 4000, 1_000_000
 """Blocks of a map, and of a batch, at most, were each a box: MuJoCo Warp lists all pairs of shapes, and each shape of

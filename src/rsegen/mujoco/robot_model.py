@@ -31,8 +31,8 @@ from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
+from rsegen.robots.motors import is_damped_at_the_end, motor
 from rsegen.robots.parameters import MOTORS
-from rsegen.robots.sdf_drives import is_damped_at_the_end, motor
 from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, inertia_tensor, radius_and_length
 from rsegen.simulators.embedded import PlacedRobot
 

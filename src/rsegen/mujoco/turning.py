@@ -1,10 +1,10 @@
 """The factor by which a robot's sides must run faster than its separation says, to turn at the commanded rate.
 
 What skids turns less than it rolls, and a wide wheel turns on its outer edge. The gain is measured, once for each robot
-and process, in this very simulator: the robot turns on flat ground at half of its turn rate, and the gain is what was
-told by what was turned; then once more with that gain, as what skids need not be linear. Statics of four thin wheels, L
-apart along the robot and B across, has 1 + (L / B)^2. Cost: two simulated seconds or twice that, a tenth of a second of
-CPU. What breaks it: a ground with less friction than the flat one, on which it turns otherwise.
+and process, in this very simulator: the robot turns on flat ground at half of its turn rate, and the gain is the
+commanded angle over the turned one; then once more with that gain, as skidding need not be linear. Statics of four thin
+wheels, L apart along the robot and B across, has 1 + (L / B)^2. Cost: two simulated seconds or twice that, a tenth of a
+second of CPU. What breaks it: a ground with less friction than the flat one, on which it turns otherwise.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class WheelMotors:
         self._robots, self._weights = robots, weights(model, robots)
         self.owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
         self.dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
-        # Classic's drive writes the speed that it is told, at once: with a ramp, burgers cross 0.1 s later than there.
+        # Classic's drive writes the commanded speed at once: with a ramp, burgers cross 0.1 s later than there.
         self.react = motors == MOTORS[0] and bool(wheels)
         self.most = np.array(
             [

@@ -45,7 +45,7 @@ Nearly all pallets of up to 100 levels need three or fewer.
 """
 
 _FEW_POSTS = 1000
-"""Posts below which a pallet costs as much as with so many: numpy's cost per call, not the posts, takes the time."""
+"""Posts below which the cost of a pallet hardly depends on their number: it is numpy's cost per call."""
 
 _MOST_SPENT = 250 * _FEW_POSTS
 """Posts that may be rearranged in vain in one map, a minute and a half, before limits are taken further apart."""

@@ -190,7 +190,7 @@ def _repaired(arrangements: _Arrangements, streams: Streams, *, warm: bool) -> t
 
 
 def _order(shape: tuple[int, ...], times: int | None, streams: Streams) -> Array:
-    """Return what cells are sorted by, (maps, n_x, n_y): noise smoothed so many times, or with None the way along x."""
+    """Return what cells are sorted by, (maps, n_x, n_y): noise smoothed `times` times, or with None the way along x."""
     if times is None:
         return np.broadcast_to(np.arange(shape[1] * shape[2], dtype=np.float64).reshape(shape[1:]), shape)
     return _smooth(streams.drawn(shape[1:]), times)
@@ -218,7 +218,7 @@ def _sorted_by(order: Array, levels: Ints, zones: Ints) -> Ints:
 
 
 def _smooth(values: Array, times: int) -> Array:
-    """Return values (..., n_x, n_y) of which each is, so many times, the mean of itself and its four neighbours."""
+    """Return values (..., n_x, n_y) of which each becomes `times` times the mean of itself and its four neighbours."""
     for _ in range(times):
         p = np.pad(values, [(0, 0)] * (values.ndim - 2) + [(1, 1)] * 2, mode="edge")
         along_x, along_y = p[..., 1:-1], p[..., 1:-1, :]
@@ -245,7 +245,7 @@ class _Colour(NamedTuple):
 
     @property
     def draws(self) -> tuple[int, int]:
-        """How many numbers mix the cells, and how many are chances of pairs."""
+        """Counts of the numbers that mix the cells, and of those that are chances of pairs."""
         paired = self.paired.stop if isinstance(self.paired, slice) else len(self.paired)
         return len(self.cells), paired // 2
 
@@ -325,7 +325,7 @@ class _Arrangements:
             yield from np.moveaxis(streams.drawn((min(at_once, sweeps - first), self.draws)), 1, 0)
 
     def sweep(self, streams: Streams, sweeps: int) -> None:
-        """Swap pairs of blocks in so many sweeps, without any swap that makes it worse."""
+        """Swap pairs of blocks in some sweeps, without any swap that makes it worse."""
         for drawn in self.draws_of_sweeps(streams, sweeps):
             self.swap(drawn, 0.0)
         streams.skip(sweeps * self.draws)

@@ -1,7 +1,7 @@
 """The host of all documents that pages have open: recipes that are edited, each with its history and its file.
 
 Two pages on one file share its document. Calls run in threads; of one document one at a time, under its lock, but for
-those that only read. What changes is told to all pages of the document, as events.
+those that only read. What changes is sent to all pages of the document, as events.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class PlaceInDataSet(TypedDict):
 
 
 class State(TypedDict):
-    """All that pages show of a document."""
+    """Everything that pages show of a document."""
 
     doc: str
     opens: str  # by what it is opened again after a restart; empty: a new recipe
@@ -289,7 +289,7 @@ class Opened:
 
 @dataclass(kw_only=True)
 class Host:
-    """All documents by their ids, and the folder in which files may be read and written, and the commands that run."""
+    """Documents by their ids, the folder in which files may be read and written, and the commands that run."""
 
     folder: Path
     jobs: Jobs = field(default_factory=Jobs)

@@ -21,7 +21,7 @@ def report_share(what: str, share: float) -> None:
 
 
 LARGE = 10**6
-"""Corners or lines of a mesh from which on its steps are told: they take about a second."""
+"""Corners or lines of a mesh from which on its steps are shown: they take about a second."""
 
 
 @contextmanager

@@ -33,7 +33,7 @@ _SMALLEST = 4.0
 
 
 GROUND_GREY = 0.86
-"""Each part of the colour of level ground, 0..1: lighter than all levels, darker than paper."""
+"""Grey of level ground, 0..1: lighter than all levels, darker than paper."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -426,7 +426,7 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
 
 
 def in_rows(entries: Sequence[Any], across: int) -> list[Any]:
-    """Return entries of a legend of so many columns such that they are read row by row: matplotlib fills columns."""
+    """Return entries of a legend in such an order that they are read row by row: matplotlib fills columns."""
     return [entry for column in range(across) for entry in entries[column::across]]
 
 

@@ -128,8 +128,8 @@ def posterior(u: Sequence[float] | Array, crossed: Sequence[bool] | Mask, low: f
 def _weights(u: Array, crossings: Array, misses: Array, middles: Array) -> Array:
     shares = _shares(u, middles)
     with np.errstate(divide="ignore"):  # no lapse and no chance: an outcome that is impossible, if it did not happen
-        told = np.tensordot(crossings, np.log(shares), 1) + np.tensordot(misses, np.log1p(-shares), 1)
-    weights = np.exp(told - told.max()) * _SPREAD_WEIGHTS[:, None] * _LAPSE_WEIGHTS
+        logarithms = np.tensordot(crossings, np.log(shares), 1) + np.tensordot(misses, np.log1p(-shares), 1)
+    weights = np.exp(logarithms - logarithms.max()) * _SPREAD_WEIGHTS[:, None] * _LAPSE_WEIGHTS
     return np.asarray(weights / weights.sum())
 
 

@@ -1,9 +1,10 @@
 """A reliability test as standards have it: a number of repetitions, and how many of them may fail.
 
 A robot that crosses with probability R fails in k of n independent repetitions with binomial probability. The test has
-confidence C if a robot of the reliability R, or a worse one, passes with a probability of 1 - C at most: so many
-failures are allowed. After the test, the reliability that is shown is the lower end of the one-sided interval of
-Clopper and Pearson (Biometrika 26, 1934). What breaks it: repetitions that are not independent, as on one field.
+confidence C if a robot of the reliability R, or a worse one, passes with a probability of 1 - C at most, which
+sets the number of failures allowed. After the test, the reliability that is shown is the lower end of the one-sided
+interval of Clopper and Pearson (Biometrika 26, 1934). What breaks it: repetitions that are not independent, as on
+one field.
 """
 
 from __future__ import annotations

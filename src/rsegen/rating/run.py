@@ -31,7 +31,7 @@ from rsegen.writing.journal import Journal
 from rsegen.writing.store import Store, continued
 
 _BATCH, _MOST_IN_BATCH, _SHARE = 8, 64, 8
-"""Trials of a batch: at least, at most, and one for so many trials before it. As they are chosen with nothing known of
+"""Trials of a batch: at least, at most, and one per `_SHARE` trials before it. As they are chosen with nothing known of
 each other, there are few at first, when each tells much; more later, for machines of many cores."""
 
 _LEAST = 48

@@ -29,7 +29,7 @@ def answered(make: Callable[[Any], Recipe], content: Any) -> Recipe:
     with inside("crossable_by"):
         certainty = CERTAINTY.check("", CERTAINTY.parse(share))
     if "crossable_room" in content:
-        raise ParameterError("crossable_room", f"cannot be set beside {asked}, which finds it")
+        raise ParameterError("crossable_room", f"cannot be set together with {asked}, which finds it")
     recipe = make({**content, "crossable_by": robot})
     for with_certainty in hooks("certainty"):
         found: Recipe = with_certainty(recipe, certainty)

@@ -77,7 +77,7 @@ def scaled_to_difficulties(levels: Any, design: MapDesign, indices: Sequence[int
     if len(steep):
         own, chosen = Streams.of(design.seed, indices, _KEY), levels[steep]
         drawn = own.part(steep.tolist()).on_device_of(levels).arrays(levels.shape[1:])
-        # Of scales of so many binary digits, no other digits of u change a level: then few digits are enough.
+        # Of scales of `most` binary digits, no other digits of u change a level: then few digits are enough.
         rounding = namespace(levels).floor(_rounding(chosen, drawn) * 2.0**most) / 2.0**most
         rounding, fields = maps_last(rounding, kind), fields[:, :, steep]
         nearest = nearest_field(
@@ -107,7 +107,7 @@ def parts_of(shape: tuple[int, int], design: MapDesign) -> tuple[int, int]:
 
 
 _MOST_IN_32_BITS = 2**24
-"""Number up to which floats of 32 bits have all whole numbers: so many parts of a unit, and sums of squared steps."""
+"""Number up to which floats of 32 bits have all whole numbers: of parts of a unit, and of sums of squared steps."""
 
 _MOST_IN_FLOATS = 2**20
 """Cells up to which squared steps, of 2^33 at the most, are summed as floats: these sums are below 2^53, so exact."""

@@ -72,7 +72,8 @@ def spots(  # noqa: PLR0913  # each is a flag
 
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
-    from rsegen.standing.spots import body_of_size, spot_generator, spots_on_map
+    from rsegen.standing.body import body_of_size
+    from rsegen.standing.spots import spot_generator, spots_on_map
     from rsegen.writing.target_worlds import world_of
 
     body = robot_of(robot).body_or_box if size is None else body_of_size(*size)
@@ -104,8 +105,9 @@ def run_spots(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
+    from rsegen.standing.body import body_of_size
+    from rsegen.standing.outlines import Outline
     from rsegen.standing.plots import spots_plot
-    from rsegen.standing.spots import Outline, body_of_size
     from rsegen.writing.target_worlds import world_of
 
     picture = picture_of(arguments.output, force=arguments.force)

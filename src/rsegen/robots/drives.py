@@ -97,7 +97,7 @@ class Drive(ABC):
 
     @property
     def side_names(self) -> tuple[str, str]:
-        """What it drives on at its left and at its right, such as `front_left+rear_left`."""
+        """Names of the driven parts on the left and on the right, such as `front_left+rear_left`."""
         return "+".join(self.left), "+".join(self.right)
 
     @property
@@ -149,7 +149,7 @@ class Wheels(Drive):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Its hinges, the left ones first."""
+        """Names of the hinges, the left ones first."""
         return (*self.left, *self.right)
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
@@ -189,7 +189,7 @@ class Tracks(Drive):
     left, right: links, the main track before its flippers
     mu, mu2: friction along and across a belt
     efficiency: how much of the tracks' difference in speed becomes a turn; the rest is skidding
-    in_place: how much more Classic's plug-in must be told to turn on the spot than in an arc, for the same turn rate
+    in_place: how much more Classic's plug-in must be commanded on the spot than in an arc for the same turn rate
     """
 
     body: str

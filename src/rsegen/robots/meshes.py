@@ -162,7 +162,7 @@ def mesh_bounds(path: Path) -> tuple[Array, Array]:
 
 
 def simplified_to(mesh: Triangles, parts: int) -> Triangles:
-    """Return a mesh of many faces simplified to so many cubes along its diagonal; others as given."""
+    """Return a mesh of many faces simplified to cubes, `parts` of them along its diagonal; others as given."""
     low, high = bounds(mesh.points)
     return simplified(mesh, float(np.linalg.norm(high - low)) / parts)
 

@@ -35,13 +35,13 @@ from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
+from rsegen.standing.lattice import Lattice
+from rsegen.standing.lattice import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, centre_at, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
 from rsegen.standing.stable import stable_at
-from rsegen.standing.ways import Lattice
 from rsegen.standing.ways import Way as LatticeWay
-from rsegen.standing.ways import reach as reached
 
 _FAR = 1000.0
 """Metres from the origin up to which a place is looked at."""
@@ -447,7 +447,7 @@ def way(  # noqa: PLR0913  # each is named by the page
 
 
 class MetricRows(TypedDict):
-    """All metrics of a map, also those of a robot."""
+    """Metrics of a map, also those of a robot."""
 
     rows: list[tuple[str, str, str, str]]  # name, value, meaning, key
 

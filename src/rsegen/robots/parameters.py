@@ -23,7 +23,7 @@ RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(m
 AnyRobot = Annotated["str | os.PathLike[str] | DrivableRobot | None", _ROBOT, Shell(metavar="KIND|FILE")]
 
 MOTORS = ("reaction", "classic")
-"""How a robot drives: as a real one, whose motors act on the chassis too, and whose wheels and belts hold across by
+"""Models of motors: as in a real robot, whose motors act on the chassis too, and whose wheels and belts hold across by
 what slipping leaves of their friction; or as in Gazebo Classic, which sets the speed of a wheel without a torque, and
 where wheels and belts hold across as firmly while they slip along."""
 

@@ -204,7 +204,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
-    from rsegen.robots.sdf_drives import frictions, motor
+    from rsegen.robots.motors import frictions, motor
     from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
 
     # First what every model has, links and shapes; then the drive, or why it has none; last what that drives on.

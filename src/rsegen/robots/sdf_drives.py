@@ -18,13 +18,13 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.crossing import SPEED, TURN
 from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.sdf_shapes import ModelFrames, floats, inertia_tensor, inertials
+from rsegen.robots.sdf_shapes import ModelFrames, positive_number
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5
@@ -266,11 +266,6 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     return [joint for joint in rolling if frames.child(joint) not in carrying]
 
 
-def is_damped_at_the_end(joint: Element) -> bool:
-    """Return whether a joint is damped at the end of a step, as in MuJoCo, whose motors overcome that."""
-    return joint.find("physics/ode/implicit_spring_damper") is not None
-
-
 def is_wheel(joint: str, frames: ModelFrames) -> bool:
     """Return whether a joint turns what is round about it and on the ground, without end, about an axis along y."""
     return is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and _wheel_radius(joint, frames) > 0
@@ -330,7 +325,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it
         return None
     sizes = _sizes_by(it, separation=controller.separation, radius=controller.radius)
     if measured and abs(radius - measured) > _AGREES * measured:
-        # With a controller's figure the robot would drive at another speed than it is told.
+        # With a controller's figure the robot would drive at another speed than commanded.
         sizes += f", the radius by its wheels and not {radius:.4g} m"
         radius = measured
     if abs(separation - apart) > _AS_FAR * apart:  # skidding wheels turn as if they were farther apart
@@ -350,7 +345,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it
     joints = (*left, *right)
     speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
     limits_by = own_source = [controller.where] if speed or turn else []
-    own = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
+    own = [positive_number(frames.joints[joint], frames.where, "axis/limit/velocity") for joint in joints]
     for source, limits in ((ros.rated_by, map(ros.rates.get, joints)), ("its joints", own)):
         if not speed:
             speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
@@ -373,14 +368,14 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     left, right = _joints(plugin)
     if not left or len(left) != len(right) or not {*left, *right} <= frames.joints.keys():
         return None
-    separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
-    diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
-    radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
+    separation = positive_number(plugin, frames.where, "wheel_separation", "wheelSeparation", "tracks_separation")
+    diameter = positive_number(plugin, frames.where, "wheel_diameter", "wheelDiameter")
+    radius = positive_number(plugin, frames.where, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
     said = Controller("", left, right, separation, radius, *_limits(plugin, frames))
     read = _of_wheels(said, frames, Controls(), it="its plug-in")
     if read is None or not isinstance(read.drive, Wheels):
         return None
-    drive = replace(read.drive, torque=_number(plugin, frames, *_TORQUES))
+    drive = replace(read.drive, torque=positive_number(plugin, frames.where, *_TORQUES))
     return read._replace(drive=drive, limits_by="its model", turned=())
 
 
@@ -431,18 +426,19 @@ def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames:
     # A track of unknown shape counts as 0.2 m high. The friction and the efficiency are SimpleTrackedVehicle's
     # defaults.
     measured = _size(left[0], frames)[2] if frames.shapes.of(left[0]) else 0.2
-    height = _number(plugin, frames, "tracks_height") or measured
+    height = positive_number(plugin, frames.where, "tracks_height") or measured
     drive = Tracks(
         body=body,
         left=tuple(left),
         right=tuple(right),
-        separation=_number(plugin, frames, "tracks_separation") or abs(float(middles[0][1] - middles[1][1])),
+        separation=positive_number(plugin, frames.where, "tracks_separation")
+        or abs(float(middles[0][1] - middles[1][1])),
         radius=height / 2,
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
-        mu=_number(plugin, frames, "track_mu") or 2,
-        mu2=_number(plugin, frames, "track_mu2") or 0.5,
-        efficiency=_number(plugin, frames, "steering_efficiency") or 0.5,
+        mu=positive_number(plugin, frames.where, "track_mu") or 2,
+        mu2=positive_number(plugin, frames.where, "track_mu2") or 0.5,
+        efficiency=positive_number(plugin, frames.where, "steering_efficiency") or 0.5,
     )
     speed, turn = _limits(plugin, frames)
     limits = _limit(SPEED, speed, frames), _limit(TURN, turn, frames)
@@ -462,87 +458,12 @@ def _middle(link: str, frames: ModelFrames) -> np.ndarray[tuple[int], np.dtype[n
 
 def _limits(plugin: Element, frames: ModelFrames) -> tuple[float | None, float | None]:
     """Return the maximum speed and turn rate that a plug-in says."""
-    speed = _number(plugin, frames, "max_linear_velocity", "max_velocity", "max_linear_speed")
-    speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
-    turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
+    speed = positive_number(plugin, frames.where, "max_linear_velocity", "max_velocity", "max_linear_speed")
+    speed = speed or positive_number(plugin, frames.where, "linear_velocity/max_velocity")
+    turn = positive_number(
+        plugin, frames.where, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity"
+    )
     return speed, turn
-
-
-class Motor(NamedTuple):
-    """The motor of a wheel: the most torque that it gives, Nm, None if nothing limits it; and what says so."""
-
-    torque: float | None
-    origin: str
-
-
-def motor(drive: Wheels, joint: str, frames: ModelFrames) -> Motor:
-    """Return the motor of a wheel: the lesser of its joint's effort and its plug-in's torque, of those that limit it.
-
-    No effort, and one of 0 or below, limits nothing: wheels of files often have 0.
-    """
-    effort = _number(frames.joints[joint], frames, "axis/limit/effort")
-    known = [
-        Motor(torque, origin)
-        for torque, origin in ((effort, "the <effort> of its joint"), (drive.torque, "the torque of its plug-in"))
-        if torque is not None
-    ]
-    return min(known, default=Motor(None, "neither an <effort> of its joint nor the torque of a plug-in"))
-
-
-_SLIPPERY = 0.01
-"""Friction coefficient up to which wheels do not push: makers of omnidirectional robots have 0, and slide them."""
-
-
-def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
-    """Return the friction coefficients of the shapes that a robot drives on."""
-    links = drive.links(frames.child)
-    shapes = [collision for link, collision, _ in frames.collisions() if link in links]
-    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
-
-
-def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
-    """Return a sentence if what a robot drives on has no friction; an empty one if it has."""
-    most = max(frictions(drive, frames), default=1.0)
-    if most > _SLIPPERY:
-        return ""
-    return (
-        f"the friction of what it drives on is {most:g} (<mu>, <mu1> in URDF), so it stands still: its maker slides it"
-        " by a plug-in, which is not used, as it would push it through blocks; write 1 there"
-    )
-
-
-_STEP = 0.001
-"""Seconds of a step of Gazebo Classic, in which the speed of a wheel is written once."""
-
-_LIGHT, _HEAVY = 3.0, 10.0
-"""Times the weight of a robot below which the force of its wheels is too small for steps, and that is enough: in
-MuJoCo without a reaction, a robot whose wheels had a quarter to 2 times its weight did not drive on, with 25 it did."""
-
-
-def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
-    """Return a sentence if wheels are too light for a drive without a torque, at a speed in m/s; an empty one if not.
-
-    Gazebo Classic's drive writes the speed of a wheel in each step, which so has the momentum I v / r to give to the
-    ground: a force of I v / (r^2 t) in a step of t seconds.
-    """
-    moments = []
-    for joint in drive.joints:
-        link = frames.child(joint)
-        element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
-        inertial = element.find("inertial")
-        turn = (place if inertial is None else place @ frames.local(inertial))[:3, :3]
-        moments.append(float(axis @ turn @ inertia_tensor(link, element, frames) @ turn.T @ axis))
-    weight = 9.81 * sum(body.mass for body in inertials(frames).values())
-    newtons = sum(moments) * speed / (drive.radius**2 * _STEP)
-    if newtons >= _LIGHT * weight:
-        return ""
-    enough = _HEAVY * weight * drive.radius**2 * _STEP / (speed * len(moments))
-    return (
-        f"its wheels are light: Gazebo Classic's drive sets their speed without a torque, so with {min(moments):.2g}"
-        f" kg m^2 they push with {newtons:.3g} N at {speed:g} m/s, and the robot weighs {weight:.3g} N: a caster or a"
-        f" step may stop it; set the inertia of each wheel about its axis to {enough:.1g} kg m^2, which is enough on"
-        " level ground, or drive it in MuJoCo, whose motors have a torque"
-    )
 
 
 def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | None:
@@ -551,16 +472,6 @@ def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | Non
         return None
     refuse_outside(sort, value, f"{frames.where}: the limit of a velocity")
     return value
-
-
-def _number(element: Element, frames: ModelFrames, *paths: str) -> float | None:
-    """Return the first number that stands in one of these elements; None if there is none, or it is not positive."""
-    text = next((text for path in paths if (text := element.findtext(path))), None)
-    try:
-        value = floats(text, 1, frames.where)[0]
-    except FileError:
-        return None
-    return value if value > 0 else None
 
 
 def _named(plugin: Element, tags: Iterable[str]) -> list[str]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,32 +21,29 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.crossing import SIDE
-from rsegen.gazebo.sdf import numbers, prefixes
+from rsegen.gazebo.sdf import numbers
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels, pose_publisher
-from rsegen.robots.holding import hold, turn_to_the_left
+from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, some_of, take_out
+from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
+from rsegen.robots.holding import hold
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import mimics
 from rsegen.robots.mjcf import of_mujoco
+from rsegen.robots.motors import light_wheels, slippery_wheels
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
-    KNOWN,
-    TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
-    is_damped_at_the_end,
-    light_wheels,
     missing_joints,
     named_tracks,
     named_wheels,
     plugin_key,
-    slippery_wheels,
     steered_wheels,
 )
 from rsegen.robots.sdf_shapes import (
@@ -62,9 +59,8 @@ from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
-from rsegen.standing.body import Body
+from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.kinds import RobotOnField
-from rsegen.standing.spots import body_of_size
 
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
@@ -83,8 +79,6 @@ NO_MIMIC = "<mimic> has no effect in Gazebo, so these joints move on their own, 
 _OF_URDF = ("joint/parent[@link]", "link/inertial/mass[@value]")
 """Elements that URDF has, and SDF has not: its own have texts."""
 
-_MOST_NAMES = 12
-"""Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
 
 _LARGEST_TURN = 3.0
 """Largest turn rate, rad/s, of a command to Classic's drive, which takes it as an angle below pi."""
@@ -133,12 +127,12 @@ class SdfRobot(RobotOnField):
         if self.read_drive is None and self.steered:
             raise ParameterError(
                 self.kind,
-                f"{_some(self.steered)} are steered wheels, and rsegen drives robots that turn by a difference between"
-                " their sides; to drive it straight ahead with its steering held, name its wheels with"
+                f"{some_of(self.steered)} are steered wheels, and rsegen drives robots that turn by a difference"
+                " between their sides; to drive it straight ahead with its steering held, name its wheels with"
                 " wheels='LEFT,RIGHT'; without them it only stands, with rsegen spawn",
             )
         if self.read_drive is None:
-            joints = f" ({_some(self.joints)})" if self.joints else ""
+            joints = f" ({some_of(self.joints)})" if self.joints else ""
             raise ParameterError(
                 self.kind,
                 "no wheels or tracks: no plug-in or actuator that rsegen knows has them, nor ros2_control or a file of"
@@ -151,7 +145,7 @@ class SdfRobot(RobotOnField):
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
-        return _hold_and_turn(self._model(), self, follows=True)
+        return hold_and_turn(self._model(), self, follows=True)
 
     @property
     def followers(self) -> tuple[str, ...]:
@@ -179,7 +173,7 @@ class SdfRobot(RobotOnField):
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
-        _make_drivable(model, self, name, simulator)
+        make_drivable(model, self, name, simulator)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -188,9 +182,9 @@ class SdfRobot(RobotOnField):
         It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
         """
         model = self._placed(name, at)
-        _hold_and_turn(model, self, follows=True)
+        hold_and_turn(model, self, follows=True)
         for tag in ("plugin", "sensor"):
-            _take_out(model, tag)
+            take_out(model, tag)
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
@@ -222,9 +216,9 @@ class SdfRobot(RobotOnField):
         if simulator == "classic" and (light := self.light_wheels):
             yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
-            changes = _make_drivable(self._model(), self, self.kind, simulator)
+            changes = make_drivable(self._model(), self, self.kind, simulator)
         else:
-            changes = {_HELD: _some(_hold_and_turn(self._model(), self, follows=True))}
+            changes = {HELD: some_of(hold_and_turn(self._model(), self, follows=True))}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
@@ -232,7 +226,7 @@ class SdfRobot(RobotOnField):
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
         yield from self._unled(simulator)
         if self._is_undriven(simulator) and (held := hold(self._model(), None, follows=False)):
-            yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
+            yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {some_of(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
         """Return the robot with the size, speed or turn rate that the user gives."""
@@ -247,24 +241,24 @@ class SdfRobot(RobotOnField):
             return False
         # A plug-in that the simulator loads may move them, of ROS or its own.
         files = (plugin.get("filename", "") for plugin in self._model().iter("plugin"))
-        return not any("control" in file.lower() and _is_loadable(file, simulator) for file in files)
+        return not any("control" in file.lower() and is_loadable(file, simulator) for file in files)
 
     def _take_out_mimics(self, model: Element, simulator: str) -> list[str]:
         """Take <mimic> out of a model unless the simulator reads it there, and return the names of its joints."""
         if simulator == "sim" and _minor(self.version) >= _FIRST_WITH_MIMIC:
             return []
         followers = list(mimics(ModelFrames(model, self.kind)))
-        _take_out(model, "mimic")
+        take_out(model, "mimic")
         return followers
 
     def _unled(self, simulator: str) -> Iterator[str]:
         """Yield a sentence about joints that follow no other one in a simulator, although they should."""
         if simulator in BACKENDS and (unled := self._take_out_mimics(self._model(), simulator)):
-            yield f"{self.kind}: {NO_MIMIC}: {_some(unled)}"
+            yield f"{self.kind}: {NO_MIMIC}: {some_of(unled)}"
 
     def _refuse_inline_meshes(self, model: Element) -> None:
         """Raise a FileError if a shape that touches has its mesh in the model itself; take out what is only seen."""
-        _take_out(model, "visual", lambda visual: visual.findtext("geometry/mesh/uri", "").startswith(INLINE))
+        take_out(model, "visual", lambda visual: visual.findtext("geometry/mesh/uri", "").startswith(INLINE))
         if any(uri.startswith(INLINE) for uri in (mesh.findtext("uri", "") for mesh in model.iter("mesh"))):
             raise FileError(
                 f"{self.kind}: the mesh of a collision shape has no STL, OBJ or COLLADA file, and Gazebo reads no"
@@ -308,7 +302,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         root = xml_root(text, where)
         if root.tag == "robot" and root.find("link") is None:
             raise FileError(f"{where}: has macros and no <link>; use the file of the robot that includes it")
-        remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
+        remarks += [f"left out what it includes of packages that are not found: {some_of(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     source, ros = _as_sdf(root, where, *(re.split(r"[,+]", named or "") for named in (wheels, tracks)))
@@ -318,12 +312,12 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     includes.put_into(model, Path(where))
     missing = list(includes.missing)
     if model.find(".//link") is None:
-        advice = f"; {_some(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
+        advice = f"; {some_of(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
         raise FileError(f"{where}: the model has no <link>{advice}")
-    remarks += [f"left out what it includes and is not found: {_some(missing)}"] if missing else []
+    remarks += [f"left out what it includes and is not found: {some_of(missing)}"] if missing else []
     resolve_uris(model, Path(where))
     if flat := take_out_flat(model, where):
-        remarks.append(f"left out, as these collision shapes have no size: {_some(flat)}")
+        remarks.append(f"left out, as these collision shapes have no size: {some_of(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     shapes = frames.shapes
@@ -341,7 +335,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
-        problem.format(_some(names))
+        problem.format(some_of(names))
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
@@ -384,10 +378,6 @@ def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[s
 
 def _sdf_root(file: Path) -> Element:
     return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
@@ -474,121 +464,3 @@ def _derived(robot: SdfRobot) -> str:
 def _outer(model: Element) -> str:
     model.tail = "\n"
     return tostring(model, encoding="unicode")
-
-
-# What is changed for a drive.
-
-
-_LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
-"""Variables that list the folders of plug-ins."""
-
-
-def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
-    """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
-
-    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
-    plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
-    """
-    read, drive = robot.read_drive, robot.drive if robot.read_drive else None
-    if backend == "classic":
-        if model.find("allow_auto_disable") is None:
-            SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
-        _free_wheels(model, drive)
-    own = read.plugin if read else ""
-    held = _hold_and_turn(model, robot, follows=False)
-    # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
-    missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
-    keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
-    kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
-    plugins, sensors, visuals = _leave_out(model, backend)
-    for plugin in kept:
-        for topic in plugin.findall("topic"):
-            plugin.remove(topic)
-        if plugin_key(plugin.get("filename", "")) == own:
-            SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
-    if drive and not kept:
-        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
-    publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
-    model.extend([*kept, *publisher])
-    _respell(model, backend)
-    return {
-        _HELD: _some(held),
-        "left out for the drive, as they are not here": ", ".join(plugins),
-        "left out for the drive, as their meshes are not found": ", ".join(visuals),
-        "left out for the drive, as sensors move nothing": ", ".join(sensors),
-    }
-
-
-def _free_wheels(model: Element, drive: Drive | None) -> None:
-    """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
-    wheels = drive.joints if drive else ()
-    for joint in model.findall("joint"):
-        if joint.get("name") in wheels and is_damped_at_the_end(joint):
-            for dynamics in joint.findall("axis/dynamics"):
-                for damping in dynamics.findall("damping"):
-                    dynamics.remove(damping)
-
-
-_HELD = "held as its model has them, as nothing drives them"
-
-
-def _hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
-    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
-    read = robot.read_drive
-    held = hold(model, robot.drive if read else None, follows=follows)
-    turn_to_the_left(model, robot.kind, read.turned if read else ())
-    return held
-
-
-def _take_out(model: Element, tag: str, is_out: Callable[[Element], bool] = lambda _: True) -> list[Element]:
-    """Take elements of a tag out of a model, wherever they are, and return them."""
-    out = [(parent, element) for parent in model.iter() for element in parent.findall(tag) if is_out(element)]
-    for parent, element in out:
-        parent.remove(element)
-    return [element for _, element in out]
-
-
-def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
-    """Take out what a drive cannot use: the files of plug-ins but for drives, and the names of sensors and visuals.
-
-    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot. Gazebo
-    Sim does not load a world with a mesh that it does not find, although nobody sees it.
-    """
-
-    def without(tag: str, attribute: str, is_out: Callable[[Element], bool] = lambda _: True) -> tuple[str, ...]:
-        """Take elements of a tag out, and return an attribute of each."""
-        return tuple(element.get(attribute, "") for element in _take_out(model, tag, is_out))
-
-    def lacks_its_mesh(visual: Element) -> bool:  # URIs that were found are absolute paths (`resolve_uris`)
-        uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
-        return not uri.removeprefix("file://").startswith("/")
-
-    sensors, visuals = without("sensor", "name"), without("visual", "name", lacks_its_mesh)
-    if backend != "classic":
-        without("script", "name")  # colours of Classic's, which later versions refuse
-    files = without("plugin", "filename", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend))
-    plugins = tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER)))
-    return plugins, sensors, visuals
-
-
-def _respell(model: Element, backend: str) -> None:
-    """Rename the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
-    file, space = prefixes(backend)
-    for plugin in model.iter("plugin"):
-        key = plugin_key(plugin.get("filename", ""))
-        if key.startswith("gz-sim-"):
-            plugin.set("filename", file + key.removeprefix("gz-sim"))
-            plugin.set("name", f"{space}::systems::{plugin.get('name', '').rpartition('::')[2]}")
-
-
-def _is_loadable(file: str, backend: str) -> bool:
-    key = plugin_key(file)
-    if key in (*KNOWN, TRACK_CONTROLLER):
-        return False
-    if key.startswith("gz-sim-"):
-        return backend != "classic"
-    # Classic's own are called so; one of a robot's manufacturer, or of ROS, is in a folder of plug-ins, or not here.
-    folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
-    names = {file, file if file.startswith("lib") else f"lib{file}.so"}
-    is_installed = any(Path(folder, name).is_file() for folder in folders if folder for name in names)
-    return is_installed or (backend == "classic" and key.endswith("Plugin"))

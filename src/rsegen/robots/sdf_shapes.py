@@ -154,6 +154,16 @@ def floats(text: str | None, count: int, where: str) -> list[float]:
     return values
 
 
+def positive_number(element: Element, where: str, *paths: str) -> float | None:
+    """Return the first number that stands in one of these elements; None if there is none, or it is not positive."""
+    text = next((text for path in paths if (text := element.findtext(path))), None)
+    try:
+        value = floats(text, 1, where)[0]
+    except FileError:
+        return None
+    return value if value > 0 else None
+
+
 def _in_scope(scope: str, name: str) -> str:
     return f"{scope}::{name}" if scope else name
 

@@ -23,7 +23,8 @@ from rsegen.robots.sdf_shapes import floats, matrix_of
 _COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 _BALL = re.compile(r"<sphere>\s*(<radius>[^<]*</radius>)\s*</sphere>")
 _CAPSULE = r"<capsule>\1<length>0.00001</length></capsule>"
-"""With 10 and with 500 micrometres a burger climbs steps of up to 5 mm in Gazebo Sim 10.4, as in MuJoCo."""
+"""A capsule 10 micrometres long: with 10 and with 500 a burger climbs steps of up to 5 mm in Gazebo Sim 10.4, and in
+MuJoCo."""
 
 
 def with_capsules(text: str, simulator: str) -> str:

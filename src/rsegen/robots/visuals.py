@@ -44,7 +44,7 @@ class Visual(NamedTuple):
 
     @property
     def triangles(self) -> Triangles:
-        """Its triangles in its colour."""
+        """Triangles of the visual in its colour."""
         return Triangles(self.points[self.corners], np.tile(self.colour, (len(self.corners), 1)))
 
 

@@ -27,7 +27,7 @@ from rsegen.params.numbers import decimal
 from rsegen.robots.drives import element, servo_plugins, system
 from rsegen.robots.links import Joint, Link, Part, SdfPose, angles, kind_and_sizes, rotation
 from rsegen.ros2.configuration import MODEL, ROBOT, bridge_yaml, robot_topics
-from rsegen.standing.spots import Outline
+from rsegen.standing.outlines import Outline
 
 if TYPE_CHECKING:  # which has these files, made here
     from rsegen.robots.base import Robot

@@ -1,4 +1,4 @@
-"""Whether the grid that was found in a cloud is one of blocks: the lines between cells at which heights change.
+"""Evidence that the grid found in a cloud is one of blocks: the lines between cells at which heights change.
 
 Blocks that abut have their sides on the lines of one grid, so nearly every line has steps. A few boxes on a table have
 few sides, and through few sides there always is a grid:
@@ -24,7 +24,7 @@ from rsegen.field.stepfield import Ints
 from rsegen.scanning.scan import SURE, Scan
 
 _PLACES = 5
-"""Places in a width at which a side is told from another: a line has the sides of a tenth of a width around it."""
+"""Places in a width at which sides are distinguished: a line has the sides of a tenth of a width around it."""
 
 _OF_GRID = 3
 """Places that a grid has by itself: its origin along x and y, and its width; its heading is that of any side."""
@@ -59,7 +59,7 @@ def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
 
 
 def bits_saved(scan: Scan) -> float:
-    """Return the bits by which the places of steps are told more shortly as lines of the grid than by themselves."""
+    """Return the bits by which the lines of the grid describe the places of steps more shortly than a list of them."""
     along_x, along_y = steps_by_line(scan)
     n_x, n_y = scan.levels.shape
     has_steps = np.concatenate(

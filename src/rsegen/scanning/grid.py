@@ -7,7 +7,7 @@
 3. Widths: the periods at which this power has peaks. Halves of the true width have as much of it, and parts of a large
    field, in which edges are more or fewer, nearly as much: no threshold tells which peak is that of the blocks.
 4. Least squares: every edge belongs to the nearest line; both origins, the width and the heading follow together.
-5. Choice: the grid with which the points are told in the fewest words (minimum description length; Rissanen 1978): a
+5. Choice: the grid that describes the points in the fewest words (minimum description length; Rissanen 1978): a
    level for each cell that is raised, and one for each point that is at another level than its cell.
 
        blocks   | 2 | 0 | 1 | 2 |     3 raised cells, no point is off
@@ -160,7 +160,7 @@ first."""
 
 _MOST_WRONG, _SOME_WRONG = 3, 0.025
 """Times the fewest points that are off in any grid, and share of all points, that may be off in the one that is taken:
-a large field of wide obstacles is told in fewer words by wider blocks of which one point in thirteen is off, although
+wider blocks, of which one point in thirteen is off, describe a large field of wide obstacles in fewer words, although
 there is a grid of which none is. Halves of blocks have hardly fewer than the blocks themselves."""
 
 

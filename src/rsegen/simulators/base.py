@@ -28,7 +28,7 @@ _MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "e
 installation whose libraries do not fit each other."""
 
 _LINE_START = re.compile(r"\[Err\]|\(\d{4}-\d\d-\d\d [\d:.]+\) \[")
-"""How a line of Gazebo Sim's begins: an error's up to Harmonic, and every one since Ionic, with the time."""
+"""The start of a line of Gazebo Sim: of errors alone up to Harmonic, and of every line since Ionic, with the time."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 """An escape sequence of a terminal, by which Gazebo colours its lines."""

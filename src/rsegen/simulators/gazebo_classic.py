@@ -315,16 +315,17 @@ class ClassicWorld(LiveWorld):
         self.client.publish("world_control", "WorldControl", {"pause": paused})
         self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == paused)
 
-    def _request(self, request: str, data: str) -> dict[str, Any]:
-        """Return the response to a request, which is repeated: on a busy machine the server learns late who listens.
+    def _entities(self) -> dict[str, Any]:
+        """Return the response to a request for all entities.
 
-        All responses are waited for: who disconnects while one is about to be sent makes the server deaf (`close`).
+        It is repeated, as on a busy machine the server learns late who listens. All responses are waited for: who
+        disconnects while one is about to be sent makes the server deaf (`close`).
         """
         request_id, wait, asked = next(self._numbers), self.client.patience.begin(), 0
-        message = {"id": request_id, "request": request, "data": data}
+        message = {"id": request_id, "request": "entity_list", "data": ""}
         while not (answers := self._answers(request_id)):
             if wait.is_over or not self.is_current:
-                raise SimulatorFailed(f"Gazebo Classic: no answer to {request} within {self.client.patience}")
+                raise SimulatorFailed(f"Gazebo Classic: no answer to entity_list within {self.client.patience}")
             self.client.publish("request", "Request", message)
             asked += 1
             with suppress(SimulatorFailed):
@@ -340,7 +341,7 @@ class ClassicWorld(LiveWorld):
 
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
         """Return the models by name, without or with hidden ones."""
-        content = self._request("entity_list", "")["serialized_data"]
+        content = self._entities()["serialized_data"]
         models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
 

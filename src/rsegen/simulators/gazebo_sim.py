@@ -220,7 +220,7 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 """The topics of a world that are subscribed, and the types of their messages."""
 
 _CONNECTION_TIME = 0.1
-"""Seconds in which a publisher that has been told of a subscriber is connected with it; servers wait as long.
+"""Seconds in which a publisher that knows of a subscriber is connected with it; servers wait as long.
 
 With less, a drive may miss its first poses or contacts; more is added to every drive once.
 """

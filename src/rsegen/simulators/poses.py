@@ -35,7 +35,7 @@ class Pose:
 
     @classmethod
     def above(cls, spot: Any) -> Pose:
-        """Return the pose of a robot at rest at a spot, so much higher that no part of it is inside a block."""
+        """Return the pose of a robot at rest at a spot, raised until no part of it is inside a block."""
         return cls(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
 
     def distance(self, other: Pose) -> float:

@@ -1,7 +1,7 @@
 """Messages of both Gazebos as bytes: protocol buffers, of which each field is a number and a kind of value.
 
 A message is a sequence of fields: a key, number * 8 + wire type, and a value; wire type 0 is a varint of seven bits per
-byte, 1 and 5 are eight and four bytes, 2 is a length and so many bytes (protobuf.dev, "Encoding"). The tables CLASSIC
+byte, 1 and 5 are eight and four bytes, 2 is a length and its bytes (protobuf.dev, "Encoding"). The tables CLASSIC
 and SIM list the fields of the message types that rsegen needs; others are skipped in what is received. Cost: some
 microseconds per field. No protobuf library: its versions exclude each other, and users have one already (decision 16).
 What breaks it: packed repeated fields, which no message of these tables has, and a field with another number in a
@@ -140,7 +140,7 @@ def parse_text(text: str) -> Message:
 
 
 def _wire_type(kind: Kind) -> int:
-    """Return the wire type of a field: 0 a varint, 1 eight bytes, 2 a length and so many bytes."""
+    """Return the wire type of a field: 0 a varint, 1 eight bytes, 2 a length and its bytes."""
     return 1 if kind is float else 0 if kind in (int, bool) else 2
 
 

@@ -37,7 +37,7 @@ _EVEN = 0.0005
 """Metres within which the samples of a fine mesh are as low as each other, and flat."""
 
 _NEAR, _GAP = 3.2, 3.1
-"""Inside of a flat face a sample has others in its plane, up to so many distances away, on all sides: no angle between
+"""Inside of a flat face a sample has others in its plane, up to `_NEAR` distances away, on all sides: no angle between
 two directions to them is as large as that, radians; at a straight edge it is pi. Makers' meshes have 0.6 to 0.75 of
 their samples then, and rest where they did (tests/standing/test_fine_meshes.py)."""
 
@@ -48,7 +48,7 @@ _ROWS = 256
 """Samples whose distances to all others are measured together: ten megabytes."""
 
 _NEIGHBOURS = 8
-"""Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
+"""Samples of a group: those of a flat part are some 5 cm across, half a block of 10 cm."""
 
 
 _HIDES_NOTHING = ("mesh", "ellipsoid")
@@ -394,3 +394,23 @@ def _hidden(points: Array, normals: Array, distance: float) -> Mask:
     np.minimum.at(lowest, bins, points[:, 2])
     allowed = np.where(normals[:, 2] < -0.9, 0.0025, _HIDDEN)  # flat ones have the same height in a bin
     return np.asarray(points[:, 2] >= lowest[bins] + allowed)
+
+
+def body_of_size(length: float, width: float) -> Body:
+    """Return the body of a box of a length and a width [m] that lies on the ground and drives with all its underside.
+
+    It is as high as it is long or wide, whichever is less, since nothing is known of its height.
+    """
+    height = min(length, width)
+    at = np.eye(4)
+    at[2, 3] = height / 2
+    distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
+    solid = sampled_box((length, width, height), distance)
+    return body_of_shapes(
+        [(CollisionPart("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
+        mass=1.0,
+        centre=np.array([0.0, 0.0, height / 2]),
+        speed=0.0,
+        distance=distance,
+        where="size",
+    )

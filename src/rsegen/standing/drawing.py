@@ -27,7 +27,7 @@ _DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotDrawing:
-    """A robot at rest at one place, one of so many stable poses, for a picture of a map (`pictures/preview.py`)."""
+    """A robot at rest at one place in one of its stable poses, for a picture of a map (`pictures/preview.py`)."""
 
     body: Body
     rests: Poses

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.lattice import Reach, Watch, best_way, reach
 from rsegen.standing.pose_statistics import PoseStatistics, pose_statistics
 from rsegen.standing.stable import stable_poses
-from rsegen.standing.ways import Reach, Watch, Way, best_way, events, reach
+from rsegen.standing.ways import Way, events
 
 if TYPE_CHECKING:
     from rsegen.scene.scene import Scene
@@ -55,7 +56,7 @@ class RobotOnField(CrossingModel):
 
     @property
     def room(self) -> float:
-        """How much room to spare lanes have that are made for it, as a share of what is usual."""
+        """Room to spare of lanes that are made for it, as a share of the default."""
         return 1.0
 
     def reach(self, field: StepField) -> Reach:

@@ -10,7 +10,7 @@ r"""Lanes: the pose of a robot at every step of a straight piece of its way, and
        sum of -s dx > v^2 / 2 g        sum of (lift - F dx) > v^2 / 4 g
 
    in weights, with F the friction of the driven contacts, mu times the load on them.
-3. Drops and slips are told, but do not end a lane: a robot that slides or falls forward goes on.
+3. Drops and slips are reported, but do not end a lane: a robot that slides or falls forward goes on.
 
 A round part, as a caster's ball of radius r with friction mu, is pushed up an edge as long as the contact leans by less
 than 90 degrees minus the angle of friction: up to a rise of r (1 - mu / sqrt(1 + mu^2)).
@@ -36,7 +36,7 @@ a robot that is turned by what it climbs, as by a block under one wheel, leaves 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
@@ -408,7 +408,7 @@ class _Steps:
 
 
 BESIDE = 0.003
-"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
+"""Metres to either side of a lane that have to be driven too: as far as a robot leaves its line in Gazebo."""
 
 FALL_ROOM = 0.02
 """Metres to either side of a lane with drops: of the crawler's ways over blocks of 10 cm with as much room 5 of 5 were
@@ -436,83 +436,6 @@ def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles
             beside = straight(field, body, axis, np.append(middles[tried] - room, middles[tried] + room)).passed
             passed[tried] = beside.reshape(2, -1).all(axis=0)
     return passed
-
-
-_CARE = ((0.3, 0.71, 0.71), (0.3, 1.0, 0.4), (0.3, 1.0, 1.0), (0.6, 1.0, 1.0), (1.0, 1.0, 1.0))
-"""Shares of its kinetic energy, and of its friction along and across, with which a robot drives a lane with room to
-spare, the most careful first. Of ways that spend 0.3 of the energy 8 of 8 were crossed in Gazebo Classic, of the others
-16 of 40. With 0.71 of both frictions their pyramids are within the cones; wheels that slip forward have little across,
-and a block under one of them turns the robot."""
-
-_ROOM = 1 / 20
-"""Share of a robot's width by which it is driven to either side of a lane with room to spare: blocks under one wheel
-turn a robot, and it comes back."""
-
-
-def careful(field: StepField, body: Body, room: float = 1.0) -> Body | None:
-    """Return a robot with the least momentum and friction with which it drives over blocks of one unit.
-
-    With room to spare a lane is driven by that robot. It drives over a few blocks side by side, and over every other
-    one, as on a chessboard, where the robot does so with all it has. None if it does not even climb the former, or by
-    more momentum alone than it keeps when its wheels hit a block.
-
-    room: how much room there is to be, as a share of what is usual; with none a robot has all its momentum and friction
-    """
-    places = room_beside(body) * room * np.array([-1.0, 0.0, 1.0])
-    most = max(_energy_left(body, field.unit), _CARE[0][0])
-    robots = [_with_less(body, room, *shares) for shares in _CARE if shares[0] <= most]
-
-    def first(ground: StepField) -> int | None:
-        passed = (number for number, robot in enumerate(robots) if straight(ground, robot, 0, places).passed.all())
-        return next(passed, None)
-
-    together = first(_small_field(field, body, is_rough=False))
-    if together is None:
-        return None
-    return robots[max(together, first(_small_field(field, body, is_rough=True)) or 0)]
-
-
-def _energy_left(body: Body, height: float) -> float:
-    """Return the share of its kinetic energy that a robot keeps when its wheels hit an edge of some height, metres.
-
-    The hit is inelastic: a wheel of radius r turns about an edge of height h on, and of the velocity the part across
-    the line from the edge to its axle is left, (1 - h / r) v, the cosine of what its surface leans there.
-    """
-    ahead = body.drives & (body.normals[:, 0] > 0)
-    above = body.points[:, 2] - body.low[2]
-    if not ahead.any() or height > above[ahead].max():
-        return 0.0
-    at = np.abs(above[ahead] - height).argmin()
-    return float(body.normals[ahead][at, 2] ** 2)
-
-
-def _with_less(body: Body, room: float, *shares: float) -> Body:
-    """Return a robot with shares of its kinetic energy, and of its friction along and across; with less room, more."""
-    energy, along, across = (1 - room + room * share for share in shares)
-    parts = tuple(
-        part._replace(mu=part.mu * along, mu2=part.mu2 * across) if part.drives else part for part in body.parts
-    )
-    return replace(body, speed=body.speed * energy**0.5, parts=parts)
-
-
-def _small_field(field: StepField, body: Body, *, is_rough: bool) -> StepField:
-    """Return a field a little larger than a robot, of blocks of one unit, or of every other one."""
-    shape = [int(np.ceil(size / field.block_width)) + 2 for size in (body.length, body.width)]
-    levels = np.indices(shape).sum(axis=0) % 2 if is_rough else np.ones(shape)
-    return replace(field, levels=levels.astype(np.int16), frame=np.zeros(shape, bool))
-
-
-def room_beside(body: Body) -> float:
-    """Return how far to either side a lane with room to spare is driven, metres."""
-    return _ROOM * body.width
-
-
-def safely_passed(field: StepField, body: Body, axis: int, middles: Array, room: float = 1.0) -> Mask:
-    """Return which lanes at some places across, metres, are driven with room to spare; room: as of `careful`."""
-    places = middles + room_beside(body) * room * np.array([[0.0], [-1.0], [1.0]])
-    robot = careful(field, body, room) or _with_less(body, room, *_CARE[0])
-    passed = straight(field, robot, axis, places.ravel()).passed
-    return np.asarray(passed.reshape(3, -1).all(axis=0))
 
 
 def lines_along(field: StepField, axis: int) -> Mask:

@@ -32,16 +32,14 @@ from rsegen.field.traversability import cells_to_each_side
 from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope
 from rsegen.standing.body import Body
+from rsegen.standing.careful_lanes import careful, room_beside, safely_passed
 from rsegen.standing.lanes import (
     across,
-    careful,
     drive_lanes,
     driven_lanes,
     entry_distance,
     lines_along,
     origins,
-    room_beside,
-    safely_passed,
     step_of,
 )
 from rsegen.standing.settling import PaddedGround, outer_radius

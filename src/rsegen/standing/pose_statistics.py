@@ -1,4 +1,4 @@
-"""How a robot rests all over a field, in a few numbers."""
+"""Statistics of the poses in which a robot rests all over a field."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def stands_easily(body: Body, settled: Settled) -> Mask:
 def force_margin(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
     """Return the forward force that each robot has left, in shares of its weight, (n,); SLIDING if nothing balances.
 
-    Where it stands easily, it is only known not to be negative, and told as 0. Of a robot that does not move, friction
+    Where it stands easily, it is only known not to be negative, and given as 0. Of a robot that does not move, friction
     holds the parts that are not driven too.
     """
     result = np.zeros(len(settled.x))

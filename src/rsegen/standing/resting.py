@@ -33,7 +33,7 @@ _ROWS = 512
 
 
 REASONS = ("", "cannot push itself on", "slides", "tips over")
-"""Why a pose is bad, from good to bad, in words that follow "the robot"; nothing for a good one."""
+"""Reasons why a pose is bad, from good to bad, in words that follow "the robot"; empty for a good one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

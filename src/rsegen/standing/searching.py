@@ -1,4 +1,4 @@
-"""The cheapest way through a graph that is told place by place (A*, Hart, Nilsson and Raphael 1968).
+"""The cheapest way through a graph that is given place by place (A*, Hart, Nilsson and Raphael 1968).
 
 Of all places at the front the one goes on whose cost, and a bound of what is left, are least. Cost: of each place once,
 and of each move out of it, in Python: some microseconds.

@@ -23,15 +23,16 @@ from enum import IntEnum
 from functools import partial
 from itertools import islice
 from math import degrees, pi, radians, tan
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from rsegen.errors import NoSpot, ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.streams import generator
-from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sample_distance, sampled_box
+from rsegen.standing.body import Body
 from rsegen.standing.lanes import drive_lanes
+from rsegen.standing.outlines import EXACT, HEADINGS, Bounds, Outline, apart, fits, range_inside
 from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settled_on_level
@@ -40,8 +41,6 @@ MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
 most, which are the gaps and tolerances of sawn blocks; a whole unit tilts it by far more."""
 
-HEADINGS = 16
-"""Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
 
 _SPARE = 0.002
 """Metres that stay free below all that does not bear the robot on level ground: a TurtleBot3's wheel sinks 1 mm into
@@ -87,9 +86,6 @@ _ROOM = tuple((lengths, turn * pi / 8) for lengths in (1, 2) for turn in (-1, 0,
 """Lanes of these lengths of a robot, and turned to a side, are looked at for level ground: robots also steer, and where
 there is more room they go farther before something happens."""
 
-_EXACT = 1e-9
-"""Metres of rounding errors by which an outline may be beyond the map."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Spot:
@@ -116,122 +112,6 @@ class Spot:
     tilt: float = 0.0
     tip_angle: float = 0.0
     reason: str = ""
-
-
-class Outline(NamedTuple):
-    """The smallest rectangle around a robot that heads along x, seen from above, in its own frame, metres."""
-
-    low_x: float
-    low_y: float
-    high_x: float
-    high_y: float
-
-    @classmethod
-    def of(cls, body: Body) -> Outline:
-        """Return the outline of a body."""
-        (low_x, low_y, _), (high_x, high_y, _) = body.low.tolist(), body.high.tolist()
-        return cls(low_x, low_y, high_x, high_y)
-
-    @property
-    def length(self) -> float:
-        """Side along x."""
-        return self.high_x - self.low_x
-
-    @property
-    def width(self) -> float:
-        """Side along y."""
-        return self.high_y - self.low_y
-
-    @property
-    def middle(self) -> tuple[float, float]:
-        """Centre of the rectangle."""
-        return (self.low_x + self.high_x) / 2, (self.low_y + self.high_y) / 2
-
-    def corners(self, x: Array, y: Array, yaw: Array) -> Array:
-        """Return the corners of robots at poses, shape (n, 4, 2), counterclockwise from the rear right one."""
-        own_x = np.array([self.low_x, self.high_x, self.high_x, self.low_x])
-        own_y = np.array([self.low_y, self.low_y, self.high_y, self.high_y])
-        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-        return np.stack([x[:, None] + c * own_x - s * own_y, y[:, None] + s * own_x + c * own_y], axis=-1)
-
-    def at(self, spot: Spot) -> Array:
-        """Return its corners at a spot, shape (4, 2)."""
-        return np.asarray(self.corners(*(np.array([value]) for value in (spot.x, spot.y, spot.yaw)))[0])
-
-
-def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Spot) -> Mask:
-    """Return whether a robot at each x, y, yaw is at least `gap` metres away from one at a spot, along some axis.
-
-    Two rectangles are apart exactly if their projections on a side of one of them are (Gottschalk, Lin and Manocha
-    1996).
-    """
-    first = outline.at(spot)[None]
-    others = outline.corners(x, y, yaw)
-    separated = np.zeros(len(x), dtype=bool)
-    for axis in (np.full(len(x), spot.yaw), np.full(len(x), spot.yaw + pi / 2), yaw, yaw + pi / 2):
-        normal = np.stack([np.cos(axis), np.sin(axis)], axis=-1)[:, None, :]
-        own, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
-        between = np.maximum(own.min(axis=1) - other.max(axis=1), other.min(axis=1) - own.max(axis=1))
-        separated |= between >= gap - _EXACT
-    return separated
-
-
-def body_of_size(length: float, width: float) -> Body:
-    """Return the body of a box of a length and a width [m] that lies on the ground and drives with all its underside.
-
-    It is as high as it is long or wide, whichever is less, since nothing is known of its height.
-    """
-    height = min(length, width)
-    at = np.eye(4)
-    at[2, 3] = height / 2
-    distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
-    solid = sampled_box((length, width, height), distance)
-    return body_of_shapes(
-        [(CollisionPart("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
-        mass=1.0,
-        centre=np.array([0.0, 0.0, height / 2]),
-        speed=0.0,
-        distance=distance,
-        where="size",
-    )
-
-
-def fits(field: StepField, body: Body) -> bool:
-    """Return whether a robot is wholly on a field at one of the 16 headings, however uneven it is there."""
-    return _fits(Bounds.of(field), body)
-
-
-class Bounds(NamedTuple):
-    """The rectangle of a part of a field: its least and largest x and y, metres."""
-
-    low: tuple[float, float]
-    high: tuple[float, float]
-
-    @classmethod
-    def of(cls, field: StepField, window: tuple[slice, slice] | None = None) -> Bounds:
-        """Return the bounds of the cells in a window of a field, by default of all."""
-        sides = [(part.start, part.stop) for part in window] if window else [(0, cells) for cells in field.shape]
-        (low_x, high_x), (low_y, high_y) = (
-            (-extent / 2 + low * field.block_width, extent / 2 - (cells - high) * field.block_width)
-            for (low, high), cells, extent in zip(sides, field.shape, field.extent, strict=True)
-        )
-        return cls((low_x, low_y), (high_x, high_y))
-
-
-def _fits(bounds: Bounds, body: Body) -> bool:
-    yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
-    room = _range_inside(bounds, Outline.of(body), yaw)
-    return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
-
-
-def _range_inside(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
-    """Return the least and largest x and y of a robot that is wholly within bounds, at each heading: (2, 2, n)."""
-    c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
-    middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c
-    half_x, half_y = outline.length / 2, outline.width / 2
-    halves = half_x * np.abs(c) + half_y * np.abs(s), half_x * np.abs(s) + half_y * np.abs(c)
-    sides = zip(middles, halves, *bounds, strict=True)
-    return np.stack([(low - _EXACT - at + half, high + _EXACT - at - half) for at, half, low, high in sides])
 
 
 class _Fault(IntEnum):
@@ -302,9 +182,9 @@ class _Judge:
         self.fall = float(pose.tip_energy[0]) / (body.mass * GRAVITY)
 
     def is_level(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Mask:
-        """Return where the ground is level below the feet, and nowhere too high, at places and so far ahead, (n,).
+        """Return where the ground is level below the feet, nowhere too high, at places and `along` ahead of them, (n,).
 
-        False with a foot on a frame; turn: to which side ahead is, radians. Most places are told by few look-ups: level
+        False with a foot on a frame; turn: to which side ahead is, radians. Few look-ups decide most places: level
         for sure if all cells around are, and not level if the feet differ.
         """
         # Cheapest first: the cells around, some feet, all feet; each only for the places that the last one left open.
@@ -351,7 +231,7 @@ class _Judge:
         _, above = sample_heights(self.ground, self.body, rest, np.arange(len(rest.x)))
         wrong = {
             _Fault.TIPS: ~has_stood(rest),
-            _Fault.TILTS: poses.tilt > self.most_tilt + _EXACT,
+            _Fault.TILTS: poses.tilt > self.most_tilt + EXACT,
             _Fault.FRAME: self._on_frame(poses),
             _Fault.HANGS: above[:, self.hanging].min(axis=1, initial=np.inf) < _SPARE,
             _Fault.UNSTEADY: poses.tip_angle < self.steep,
@@ -404,7 +284,7 @@ class _Judge:
 
 
 def _extreme(ground: PaddedGround, cells: int, best: np.ufunc) -> PaddedGround:
-    """Return the least or largest height of the cells around each, up to so many away; NaN where one is on a frame."""
+    """Return the least or largest height of the cells around each, up to `cells` away; NaN where one is on a frame."""
     heights = ground.heights.reshape(ground.shape)
     for axis in range(2):
         padded = np.pad(heights, [(cells, cells) if axis == side else (0, 0) for side in range(2)])
@@ -448,7 +328,7 @@ def find_spots(  # noqa: PLR0913  # the last three by name
 def _judge(field: StepField, body: Body, most_tilt: float, parts: Sequence[Bounds]) -> _Judge:
     """Return the judge of a robot on a field; ParameterError if it is larger than one of these parts."""
     for bounds in parts:
-        if not _fits(bounds, body):
+        if not fits(bounds, body):
             n_x, n_y = (
                 round((high - low) / field.block_width) for low, high in zip(bounds.low, bounds.high, strict=True)
             )
@@ -490,12 +370,12 @@ class _Part:
         """
         even, (along, across, turn) = numbers % 2 == 0, self.drawn[:, numbers]
         yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
-        room, half = _range_inside(self.bounds, self.outline, yaw), self.half
+        room, half = range_inside(self.bounds, self.outline, yaw), self.half
         inside = np.asarray((room[:, 0] <= room[:, 1]).all(axis=0))
         sides: list[Array] = []
         for (low, high), share, rim in zip(room, (along, across), self.bounds.low, strict=True):
             # The edges of cells are at multiples of a block from the rim, so their halves are too.
-            first, last = np.ceil((low - rim) / half - _EXACT), np.floor((high - rim) / half + _EXACT)
+            first, last = np.ceil((low - rim) / half - EXACT), np.floor((high - rim) / half + EXACT)
             inside &= ~even | (first <= last)
             on_halves = rim + half * (first + np.floor(share * (last - first + 1)))
             sides.append(np.where(even, on_halves, low + share * (high - low)))

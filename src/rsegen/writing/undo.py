@@ -146,7 +146,7 @@ Linux).
 """
 
 _TRIES, _PAUSE = 20, 0.01
-"""How often an empty folder is removed on such disks, and seconds between: on sshfs the second try does it."""
+"""Number of tries to remove an empty folder on such disks, and seconds between: on sshfs the second succeeds."""
 
 
 def remove_empty(folder: Path) -> None:

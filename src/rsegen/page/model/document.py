@@ -5,7 +5,7 @@ A journal has drafts on disk after every change, so that a crash or a kill loses
     $XDG_STATE_HOME/rsegen/HASH-PID.json   the draft of a document whose path has this hash, in the process PID
 
 A draft knows the checksum of the text that it began with, so one that is brought back over a file that somebody has
-changed since is told as a conflict. A draft is there exactly as long as it is not in its file. One of a process that
+changed since is reported as a conflict. A draft exists exactly as long as it is not in its file. One of a process that
 has ended is found by the next one that opens the same document. It is written whole, next to its place, and then
 renamed, so a kill leaves the one before.
 """

@@ -278,7 +278,7 @@ export interface Variant {
   difficulty: [string, string][];
 }
 
-/* All metrics of a map, also those of a robot. */
+/* Metrics of a map, also those of a robot. */
 export interface MetricRows {
   rows: [string, string, string, string][]; // name, value, meaning, key
 }
@@ -360,7 +360,7 @@ export interface RatedTrial {
   crossed: boolean | null; // null: it has no result
 }
 
-/* All that pages show of a document. */
+/* Everything that pages show of a document. */
 export interface State {
   doc: string;
   opens: string; // by what it is opened again after a restart; empty: a new recipe

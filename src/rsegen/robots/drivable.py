@@ -1,0 +1,147 @@
+"""Changes of a robot's model for a drive: it gets a drive of the simulator's own, and loses what moves nothing."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree.ElementTree import Element, SubElement, fromstring
+
+from rsegen.gazebo.sdf import prefixes
+from rsegen.robots.drives import Drive, pose_publisher
+from rsegen.robots.holding import hold, turn_to_the_left
+from rsegen.robots.motors import is_damped_at_the_end
+from rsegen.robots.sdf_drives import (
+    KNOWN,
+    TRACK_CONTROLLER,
+    plugin_key,
+)
+
+if TYPE_CHECKING:
+    from rsegen.robots.sdf_file import SdfRobot
+
+_MOST_NAMES = 12
+"""Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
+
+
+def some_of(names: Sequence[str]) -> str:
+    """Return names with commas between them, the first dozen of many."""
+    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
+
+
+_LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
+"""Variables that list the folders of plug-ins."""
+
+
+def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
+    """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
+
+    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
+    plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
+    """
+    read, drive = robot.read_drive, robot.drive if robot.read_drive else None
+    if backend == "classic":
+        if model.find("allow_auto_disable") is None:
+            SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
+        _free_wheels(model, drive)
+    own = read.plugin if read else ""
+    held = hold_and_turn(model, robot, follows=False)
+    # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
+    missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
+    keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
+    kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
+    plugins, sensors, visuals = _leave_out(model, backend)
+    for plugin in kept:
+        for topic in plugin.findall("topic"):
+            plugin.remove(topic)
+        if plugin_key(plugin.get("filename", "")) == own:
+            SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
+    if drive and not kept:
+        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
+    publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
+    model.extend([*kept, *publisher])
+    _respell(model, backend)
+    return {
+        HELD: some_of(held),
+        "left out for the drive, as they are not here": ", ".join(plugins),
+        "left out for the drive, as their meshes are not found": ", ".join(visuals),
+        "left out for the drive, as sensors move nothing": ", ".join(sensors),
+    }
+
+
+def _free_wheels(model: Element, drive: Drive | None) -> None:
+    """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
+    wheels = drive.joints if drive else ()
+    for joint in model.findall("joint"):
+        if joint.get("name") in wheels and is_damped_at_the_end(joint):
+            for dynamics in joint.findall("axis/dynamics"):
+                for damping in dynamics.findall("damping"):
+                    dynamics.remove(damping)
+
+
+HELD = "held as its model has them, as nothing drives them"
+"""Why the joints that `hold_and_turn` returns are held."""
+
+
+def hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
+    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
+    read = robot.read_drive
+    held = hold(model, robot.drive if read else None, follows=follows)
+    turn_to_the_left(model, robot.kind, read.turned if read else ())
+    return held
+
+
+def take_out(model: Element, tag: str, is_out: Callable[[Element], bool] = lambda _: True) -> list[Element]:
+    """Take elements of a tag out of a model, wherever they are, and return them."""
+    out = [(parent, element) for parent in model.iter() for element in parent.findall(tag) if is_out(element)]
+    for parent, element in out:
+        parent.remove(element)
+    return [element for _, element in out]
+
+
+def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
+    """Take out what a drive cannot use: the files of plug-ins but for drives, and the names of sensors and visuals.
+
+    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot. Gazebo
+    Sim does not load a world with a mesh that it does not find, although nobody sees it.
+    """
+
+    def without(tag: str, attribute: str, is_out: Callable[[Element], bool] = lambda _: True) -> tuple[str, ...]:
+        """Take elements of a tag out, and return an attribute of each."""
+        return tuple(element.get(attribute, "") for element in take_out(model, tag, is_out))
+
+    def lacks_its_mesh(visual: Element) -> bool:  # URIs that were found are absolute paths (`resolve_uris`)
+        uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
+        return not uri.removeprefix("file://").startswith("/")
+
+    sensors, visuals = without("sensor", "name"), without("visual", "name", lacks_its_mesh)
+    if backend != "classic":
+        without("script", "name")  # colours of Classic's, which later versions refuse
+    files = without("plugin", "filename", lambda plugin: not is_loadable(plugin.get("filename", ""), backend))
+    plugins = tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER)))
+    return plugins, sensors, visuals
+
+
+def _respell(model: Element, backend: str) -> None:
+    """Rename the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
+    file, space = prefixes(backend)
+    for plugin in model.iter("plugin"):
+        key = plugin_key(plugin.get("filename", ""))
+        if key.startswith("gz-sim-"):
+            plugin.set("filename", file + key.removeprefix("gz-sim"))
+            plugin.set("name", f"{space}::systems::{plugin.get('name', '').rpartition('::')[2]}")
+
+
+def is_loadable(file: str, backend: str) -> bool:
+    """Return whether a simulator finds the file of a plug-in that is none of a drive."""
+    key = plugin_key(file)
+    if key in (*KNOWN, TRACK_CONTROLLER):
+        return False
+    if key.startswith("gz-sim-"):
+        return backend != "classic"
+    # Classic's own are called so; one of a robot's manufacturer, or of ROS, is in a folder of plug-ins, or not here.
+    folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
+    names = {file, file if file.startswith("lib") else f"lib{file}.so"}
+    is_installed = any(Path(folder, name).is_file() for folder in folders if folder for name in names)
+    return is_installed or (backend == "classic" and key.endswith("Plugin"))

@@ -1,0 +1,91 @@
+"""The push of wheels and tracks: the torque of their motors, their friction, and in Gazebo Classic their inertia."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+from rsegen.robots.drives import Drive, Wheels
+from rsegen.robots.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
+
+
+def is_damped_at_the_end(joint: Element) -> bool:
+    """Return whether a joint is damped at the end of a step, as in MuJoCo, whose motors overcome that."""
+    return joint.find("physics/ode/implicit_spring_damper") is not None
+
+
+class Motor(NamedTuple):
+    """The motor of a wheel: the most torque that it gives, Nm, None if nothing limits it; and what says so."""
+
+    torque: float | None
+    origin: str
+
+
+def motor(drive: Wheels, joint: str, frames: ModelFrames) -> Motor:
+    """Return the motor of a wheel: the lesser of its joint's effort and its plug-in's torque, of those that limit it.
+
+    No effort, and one of 0 or below, limits nothing: wheels of files often have 0.
+    """
+    effort = positive_number(frames.joints[joint], frames.where, "axis/limit/effort")
+    known = [
+        Motor(torque, origin)
+        for torque, origin in ((effort, "the <effort> of its joint"), (drive.torque, "the torque of its plug-in"))
+        if torque is not None
+    ]
+    return min(known, default=Motor(None, "neither an <effort> of its joint nor the torque of a plug-in"))
+
+
+_SLIPPERY = 0.01
+"""Friction coefficient up to which wheels do not push: makers of omnidirectional robots have 0, and slide them."""
+
+
+def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
+    """Return the friction coefficients of the shapes that a robot drives on."""
+    links = drive.links(frames.child)
+    shapes = [collision for link, collision, _ in frames.collisions() if link in links]
+    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
+
+
+def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
+    """Return a sentence if what a robot drives on has no friction; an empty one if it has."""
+    most = max(frictions(drive, frames), default=1.0)
+    if most > _SLIPPERY:
+        return ""
+    return (
+        f"the friction of what it drives on is {most:g} (<mu>, <mu1> in URDF), so it stands still: its maker slides it"
+        " by a plug-in, which is not used, as it would push it through blocks; write 1 there"
+    )
+
+
+_STEP = 0.001
+"""Seconds of a step of Gazebo Classic, in which the speed of a wheel is written once."""
+
+_LIGHT, _HEAVY = 3.0, 10.0
+"""Times the weight of a robot below which the force of its wheels is too small for steps, and that is enough: in
+MuJoCo without a reaction, a robot whose wheels had a quarter to 2 times its weight did not drive on, with 25 it did."""
+
+
+def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
+    """Return a sentence if wheels are too light for a drive without a torque, at a speed in m/s; an empty one if not.
+
+    Gazebo Classic's drive writes the speed of a wheel in each step, which so has the momentum I v / r to give to the
+    ground: a force of I v / (r^2 t) in a step of t seconds.
+    """
+    moments = []
+    for joint in drive.joints:
+        link = frames.child(joint)
+        element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
+        inertial = element.find("inertial")
+        turn = (place if inertial is None else place @ frames.local(inertial))[:3, :3]
+        moments.append(float(axis @ turn @ inertia_tensor(link, element, frames) @ turn.T @ axis))
+    weight = 9.81 * sum(body.mass for body in inertials(frames).values())
+    newtons = sum(moments) * speed / (drive.radius**2 * _STEP)
+    if newtons >= _LIGHT * weight:
+        return ""
+    enough = _HEAVY * weight * drive.radius**2 * _STEP / (speed * len(moments))
+    return (
+        f"its wheels are light: Gazebo Classic's drive sets their speed without a torque, so with {min(moments):.2g}"
+        f" kg m^2 they push with {newtons:.3g} N at {speed:g} m/s, and the robot weighs {weight:.3g} N: a caster or a"
+        f" step may stop it; set the inertia of each wheel about its axis to {enough:.1g} kg m^2, which is enough on"
+        " level ground, or drive it in MuJoCo, whose motors have a torque"
+    )

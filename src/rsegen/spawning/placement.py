@@ -1,0 +1,111 @@
+"""Free ground for a new model between those of a simulation, and the maps there, with the blocks under a place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain, count, product
+from math import cos, floor, hypot, sin
+from typing import NamedTuple
+
+from rsegen.field.stepfield import StepField
+from rsegen.robots.base import ROBOTS
+from rsegen.simulators.poses import Pose
+
+_ROUNDING = 1e-3
+"""Slack of a gap, metres: positions on the grid are rounded to millimetres."""
+
+GAP = 0.5
+"""Gap, metres, between a new model and those that are there: a small robot passes between them."""
+
+
+class Area(NamedTuple):
+    """An axis-aligned rectangle of ground: its centre, and half of its length and width, metres."""
+
+    x: float
+    y: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def is_clear_of(self, other: Area) -> bool:
+        """Return whether there is a gap between both."""
+        return (
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - _ROUNDING
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - _ROUNDING
+        )
+
+
+def free_area(half_x: float, half_y: float, occupied: Sequence[Area]) -> Area:
+    """Return the area nearest to the origin, on a grid around it, that is clear of all occupied ones."""
+    candidates = (
+        Area(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+        for i, j in chain.from_iterable(map(_ring, count()))
+    )
+    return next(place for place in candidates if all(map(place.is_clear_of, occupied)))
+
+
+def _ring(away: int) -> Iterator[tuple[int, int]]:
+    """Yield the cells of a square ring around the origin, the nearest first; east and north before west and south."""
+    line = range(-away, away + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == away)
+    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnedMap:
+    """A map under its name in the simulation, and the pose of its centre; it is upright."""
+
+    name: str
+    field: StepField
+    at: Pose
+
+    @property
+    def area(self) -> Area:
+        """The smallest axis-aligned rectangle around it."""
+        (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
+        return Area(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
+
+    def covers(self, at: Pose, radius: float) -> bool:
+        """Return whether a model at a pose, with this radius, is above the map."""
+        place = self._in_map_axes(at)
+        return all(abs(x) <= along / 2 + radius for x, along in zip(place, self.field.extent, strict=True))
+
+    def top(self, at: Pose, radius: float = 0.0) -> float:
+        """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
+        window = []
+        for x, along in zip(self._in_map_axes(at), self.field.extent, strict=True):
+            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-radius, radius))
+            window.append(slice(max(first, 0), max(last + 1, 0)))
+        return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
+
+    def outside(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place in the world of one in the map's own axes, from its middle."""
+        c, s = cos(self.at.yaw), sin(self.at.yaw)
+        return self.at.x + x * c - y * s, self.at.y + x * s + y * c
+
+    def _in_map_axes(self, at: Pose) -> tuple[float, float]:
+        """Return a place in the map's own axes, from its middle."""
+        x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
+        return x * c + y * s, y * c - x * s
+
+
+GROUND = "ground_plane"
+"""The name of the ground in Gazebo's worlds, on which everything may be placed."""
+
+RADIUS = 0.3
+"""The assumed radius, metres, of a model that is not one of rsegen's robots: that of a robot of a Jackal's class.
+
+A larger model may be put into a block; a smaller one is only put higher than need be, and falls.
+"""
+
+
+def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area]:
+    """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
+    known = {spawned.name: spawned.area for spawned in maps}
+    return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
+
+
+def model_radius(name: str) -> float:
+    """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
+    kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
+    return hypot(*kind.size[:2]) / 2 if kind else RADIUS

@@ -1,0 +1,112 @@
+"""Outlines of robots seen from above: rectangles that are apart from each other, and within the bounds of a field."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.standing.body import Body
+
+if TYPE_CHECKING:
+    from rsegen.standing.spots import Spot
+
+HEADINGS = 16
+"""Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
+
+EXACT = 1e-9
+"""Metres of rounding errors by which an outline may be beyond the map."""
+
+
+class Outline(NamedTuple):
+    """The smallest rectangle around a robot that heads along x, seen from above, in its own frame, metres."""
+
+    low_x: float
+    low_y: float
+    high_x: float
+    high_y: float
+
+    @classmethod
+    def of(cls, body: Body) -> Outline:
+        """Return the outline of a body."""
+        (low_x, low_y, _), (high_x, high_y, _) = body.low.tolist(), body.high.tolist()
+        return cls(low_x, low_y, high_x, high_y)
+
+    @property
+    def length(self) -> float:
+        """Side along x."""
+        return self.high_x - self.low_x
+
+    @property
+    def width(self) -> float:
+        """Side along y."""
+        return self.high_y - self.low_y
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Centre of the rectangle."""
+        return (self.low_x + self.high_x) / 2, (self.low_y + self.high_y) / 2
+
+    def corners(self, x: Array, y: Array, yaw: Array) -> Array:
+        """Return the corners of robots at poses, shape (n, 4, 2), counterclockwise from the rear right one."""
+        own_x = np.array([self.low_x, self.high_x, self.high_x, self.low_x])
+        own_y = np.array([self.low_y, self.low_y, self.high_y, self.high_y])
+        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+        return np.stack([x[:, None] + c * own_x - s * own_y, y[:, None] + s * own_x + c * own_y], axis=-1)
+
+    def at(self, spot: Spot) -> Array:
+        """Return its corners at a spot, shape (4, 2)."""
+        return np.asarray(self.corners(*(np.array([value]) for value in (spot.x, spot.y, spot.yaw)))[0])
+
+
+def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Spot) -> Mask:
+    """Return whether a robot at each x, y, yaw is at least `gap` metres away from one at a spot, along some axis.
+
+    Two rectangles are apart exactly if their projections on a side of one of them are (Gottschalk, Lin and Manocha
+    1996).
+    """
+    first = outline.at(spot)[None]
+    others = outline.corners(x, y, yaw)
+    separated = np.zeros(len(x), dtype=bool)
+    for axis in (np.full(len(x), spot.yaw), np.full(len(x), spot.yaw + pi / 2), yaw, yaw + pi / 2):
+        normal = np.stack([np.cos(axis), np.sin(axis)], axis=-1)[:, None, :]
+        own, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
+        between = np.maximum(own.min(axis=1) - other.max(axis=1), other.min(axis=1) - own.max(axis=1))
+        separated |= between >= gap - EXACT
+    return separated
+
+
+class Bounds(NamedTuple):
+    """The rectangle of a part of a field: its least and largest x and y, metres."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @classmethod
+    def of(cls, field: StepField, window: tuple[slice, slice] | None = None) -> Bounds:
+        """Return the bounds of the cells in a window of a field, by default of all."""
+        sides = [(part.start, part.stop) for part in window] if window else [(0, cells) for cells in field.shape]
+        (low_x, high_x), (low_y, high_y) = (
+            (-extent / 2 + low * field.block_width, extent / 2 - (cells - high) * field.block_width)
+            for (low, high), cells, extent in zip(sides, field.shape, field.extent, strict=True)
+        )
+        return cls((low_x, low_y), (high_x, high_y))
+
+
+def fits(bounds: Bounds, body: Body) -> bool:
+    """Return whether a robot is wholly within bounds at one of the 16 headings, however uneven it is there."""
+    yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
+    room = range_inside(bounds, Outline.of(body), yaw)
+    return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
+
+
+def range_inside(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
+    """Return the least and largest x and y of a robot that is wholly within bounds, at each heading: (2, 2, n)."""
+    c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
+    middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c
+    half_x, half_y = outline.length / 2, outline.width / 2
+    halves = half_x * np.abs(c) + half_y * np.abs(s), half_x * np.abs(s) + half_y * np.abs(c)
+    sides = zip(middles, halves, *bounds, strict=True)
+    return np.stack([(low - EXACT - at + half, high + EXACT - at - half) for at, half, low, high in sides])
