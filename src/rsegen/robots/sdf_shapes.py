@@ -2,8 +2,9 @@
 
 Everything is expressed in the frame of the model. A pose may be relative to any other frame (SDF 1.7), so poses are
 followed up to the model, at most _DEEPEST of them: a file from anybody may have a cycle. A shape's extent is an
-axis-aligned box: a box swept by an ellipsoid covers all of SDF's shapes, and rotates in closed form. A mass has to be
-positive, and no moment of inertia negative; moments that no body has are only reported, as Gazebo Classic takes them.
+axis-aligned box: a box swept by an ellipsoid covers SDF's shapes, and rotates in closed form; of a mesh all corners are
+turned. A mass has to be positive, and no moment of inertia negative; moments that no body has are only reported, as
+Gazebo Classic takes them.
 Cost: the shapes times the depth of their frames; reading meshes costs most.
 """
 
@@ -21,7 +22,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
-from rsegen.robots.meshes import INLINE, SUFFIXES, mesh_bounds
+from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -305,22 +306,32 @@ def extents(frames: ModelFrames) -> Extents:
     """Return the extents of the collision shapes of every link of a model."""
     known: dict[str, Extent] = {}
     unknown = set()
-    solids: dict[Hashable, SweptBox | None] = {}
+    solids: dict[Hashable, SweptBox | Array | None] = {}
     for link, collision, geometry in frames.collisions():
         key = form_of(geometry)
-        solid = solids[key] = solids[key] if key in solids else swept_box(geometry, frames.where)
+        solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)
         if solid is None:
             unknown.add(link)
             continue
-        pose = frames.shape(link, collision)
-        # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
-        half = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
-        middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
-        low, high = middle - half, middle + half
+        low, high = _placed(solid, frames.shape(link, collision))
         box = known.get(link, Extent(low, high))
         known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
     lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]
     return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
+
+
+def _placed(solid: SweptBox | Array, pose: Array) -> Extent:
+    """Return the extent of a solid at a pose, (4, 4)."""
+    turn, place = pose[:3, :3], pose[:3, 3]
+    if not isinstance(solid, SweptBox):
+        reached = [solid @ axis for axis in turn]  # a fifth of the time of all axes at once
+        return Extent(
+            place + [float(along.min()) for along in reached], place + [float(along.max()) for along in reached]
+        )
+    # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
+    half = np.abs(turn) @ solid.half + np.sqrt((turn**2) @ np.square(solid.radii))
+    middle = turn @ solid.centre + place
+    return Extent(middle - half, middle + half)
 
 
 def form_of(geometry: Element) -> Hashable:
@@ -372,7 +383,17 @@ def radius_and_length(kind: Element, where: str) -> tuple[float, float]:
 
 
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
-    """Return the swept box of a geometry; None for an unknown one."""
+    """Return the swept box of a geometry, of a mesh the box around it; None for an unknown one."""
+    solid = _solid(geometry, where)
+    if solid is None or isinstance(solid, SweptBox):
+        return solid
+    low, high = bounds(solid)
+    half, centre = np.abs(high - low) / 2, (low + high) / 2
+    return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
+
+
+def _solid(geometry: Element, where: str) -> SweptBox | Array | None:
+    """Return the swept box of a geometry, or the corners of a mesh, (n, 3); None for an unknown one."""
     kind = geometry[0]
     if kind.tag == "box":
         x, y, z = (side / 2 for side in floats(kind.findtext("size"), 3, where))
@@ -383,20 +404,18 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
     if kind.tag in ROUND:
         r, length = radius_and_length(kind, where)
         return SweptBox((0, 0, length / 2), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
-    return _mesh(kind, where) if kind.tag == "mesh" else None
+    return _corners(kind, where) if kind.tag == "mesh" else None
 
 
-def _mesh(mesh: Element, where: str) -> SweptBox | None:
-    """Return the box of a mesh in a file; None for one that cannot be read here."""
+def _corners(mesh: Element, where: str) -> Array | None:
+    """Return the corners of a mesh in a file, (n, 3); None for one that cannot be read here."""
     path, scale = file_and_scale(mesh, where)
     if path.suffix.lower() not in SUFFIXES and not str(path).startswith(INLINE):
         return None
     try:
-        low, high = (side * scale for side in mesh_bounds(path))
+        return mesh_corners(path) * scale
     except ImportError:
         return None
-    half, centre = np.abs(high - low) / 2, (low + high) / 2
-    return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
 
 
 def file_and_scale(mesh: Element, where: str) -> tuple[Path, Array]:
