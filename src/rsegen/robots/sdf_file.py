@@ -52,6 +52,7 @@ from rsegen.robots.sdf_drives import (
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
+    hang_on_links,
     impossible_inertias,
     inertials,
     links_by_default,
@@ -316,6 +317,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     model, version = _model_and_version(source.sdf, where)
     includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
     includes.put_into(model, Path(where))
+    model.attrib.pop("placement_frame", None)  # rsegen places the model by its origin
     missing = list(includes.missing)
     if model.find(".//link") is None:
         advice = f"; {_some(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
@@ -326,6 +328,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks.append(f"left out, as these collision shapes have no size: {_some(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
+    hang_on_links(frames)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
     mimics(frames)  # and for what is no number

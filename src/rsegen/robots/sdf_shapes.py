@@ -52,7 +52,7 @@ class ModelFrames:
     """
 
     def __init__(self, model: Element, where: str) -> None:
-        self.where = where
+        self.where, self._model = where, model
         elements = list(named(model))
         self.elements = {name: element for name, element in elements if element.tag != "joint"}
         self.joints = {name: element for name, element in elements if element.tag == "joint"}
@@ -83,6 +83,28 @@ class ModelFrames:
 
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
+
+    def attached(self, name: str) -> str:
+        """Return the link that a frame, a joint or a nested model is attached to; of a link, or nothing, its name."""
+        for _ in range(_DEEPEST):
+            scope, _, own = name.rpartition("::")
+            element = self.elements.get(name)
+            if name in self.joints and element is None:
+                name = self.child(name)
+            elif own == "__model__" or (element is not None and element.tag == "model"):
+                name = self._canonical(scope if own == "__model__" else name)
+            elif element is not None and element.tag == "frame":
+                name = _in_scope(scope, element.get("attached_to", "") or "__model__")
+            else:
+                return name
+        raise FileError(f"{self.where}: {shown(name)} is attached to itself")
+
+    def _canonical(self, scope: str) -> str:
+        """Return the canonical link of the model, or of a nested one: by default its first."""
+        model = self.elements[scope] if scope else self._model
+        first = next((name for name, _ in self.links() if name.startswith(f"{scope}::" if scope else "")), "")
+        own = model.get("canonical_link", "")
+        return _in_scope(scope, own) if own else first
 
     def links(self) -> Iterator[tuple[str, Element]]:
         """Yield the links with their names."""
@@ -141,6 +163,25 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
             yield f"{scope}{element.get('name', '')}", element
         if element.tag == "model":
             yield from named(element, f"{scope}{element.get('name', '')}::")
+
+
+def hang_on_links(frames: ModelFrames) -> None:
+    """Make joints whose ends are frames, or nested models, hang on the links to which these are attached."""
+    for name, joint in frames.joints.items():
+        scope = name.rpartition("::")[0]
+        for end in (element for tag in ("parent", "child") for element in joint.findall(tag)):
+            own = (end.text or "").strip()
+            link = frames.attached(_in_scope(scope, own)).removeprefix(f"{scope}::" if scope else "")
+            if link == own:
+                continue
+            if end.tag == "child":  # whose frame is that of the joint
+                pose = joint.find("pose")
+                if pose is None:
+                    pose = Element("pose")
+                    joint.insert(0, pose)
+                if not pose.get("relative_to", pose.get("frame", "")):
+                    pose.set("relative_to", own)
+            end.text = link
 
 
 def floats(text: str | None, count: int, where: str) -> list[float]:
