@@ -72,6 +72,7 @@ def test_wheels_on_an_upright_pin_that_is_held_are_steered(
     robot = hung(tmp_path, kind, "0 0 1", limits, more, (tilt, 0.0))
     assert robot.read_drive is None
     assert robot.steered == ("left_front_hub", "right_front_hub")
+    assert from_file(tmp_path / "cart.urdf", "left_hub,right_hub").held == ("left_pin", "right_pin")
 
 
 def test_wheels_on_an_upright_pin_that_nothing_holds_are_casters(tmp_path: Path) -> None:

@@ -220,36 +220,38 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     return _paired(wheels, frames, "the shapes of its links, as its file does not say", Controls())
 
 
-def steered_wheels(frames: ModelFrames, ros: Controls) -> list[str]:
-    """Return the joints of wheels that are steered: as large as the largest, and on an upright joint that is held.
+def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
+    """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
 
-    It has limits, or ROS gives it a position, or it does not trail, as casters do, which swivel freely. A universal
-    joint steers too. A suspension and a rocker turn about level axes. What is steered does not turn by a difference
-    between its sides.
+    Such wheels are as large as the largest. What steers has limits, or ROS gives it a position, or it does not trail:
+    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What is
+    steered does not turn by a difference between its sides.
     """
     if not frames.shapes.whole:
-        return []
+        return {}
     above = {frames.child(name): name for name in frames.joints}
     universal = {name for name, joint in frames.joints.items() if joint.get("type") == "universal"}
     across = [name for name, joint in frames.joints.items() if is_endless(joint) and _is_along_y(name, frames)]
     radii = {joint: _wheel_radius(joint, frames) for joint in (*across, *universal)}
 
-    def is_steered(joint: str) -> bool:
+    def steering(joint: str) -> str:
+        """Return the joint that steers a wheel; an empty text for none."""
         link = frames.parent(joint)
         if joint in universal:
-            return True
+            return joint
         for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
             if link not in above:
-                return False
+                return ""
             held = above[link]
             is_free = held not in ros.placed and is_endless(frames.joints[held])
             if _swivels(held, frames) and not (is_free and _trails(joint, held, radii[joint], frames)):
-                return True
+                return held
             link = frames.parent(held)
-        return False
+        return ""
 
     largest = max(radii.values(), default=0.0)
-    return [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest and is_steered(joint)]
+    wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
+    return {joint: by for joint in wheels if (by := steering(joint))}
 
 
 def _swivels(joint: str, frames: ModelFrames) -> bool:
