@@ -117,6 +117,17 @@ def test_a_turned_mesh_reaches_as_far_as_its_corners(tmp_path: Path) -> None:
     assert robot.size == pytest.approx((0.2, 0.65, 0.2), abs=2e-3)
 
 
+def test_a_part_of_a_mesh_is_refused(tmp_path: Path) -> None:
+    SOLIDS["box"].export(tmp_path / "box.stl")
+    path = tmp_path / "part.sdf"
+    path.write_text(
+        "<sdf version='1.9'><model name='m'><link name='l'><collision name='c'><geometry><mesh><uri>box.stl</uri>"
+        "<submesh><name>lid</name></submesh></mesh></geometry></collision></link></model></sdf>"
+    )
+    with pytest.raises(FileError, match="link 'l': collision shape 'c' is a <submesh>, which is not read; write it"):
+        from_file(path)
+
+
 @pytest.mark.filterwarnings("error")
 def test_triangles_of_no_area_are_no_surface(tmp_path: Path) -> None:
     solid = SOLIDS["ball"].copy()

@@ -224,8 +224,8 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
 
     Such wheels are as large as the largest. What steers has limits, or ROS gives it a position, or it does not trail:
-    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What is
-    steered does not turn by a difference between its sides.
+    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What
+    is steered does not turn by a difference between its sides.
     """
     if not frames.shapes.whole:
         return {}

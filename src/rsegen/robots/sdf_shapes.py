@@ -228,6 +228,12 @@ def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     )
 
 
+_AUTOMATIC = (
+    "its <inertial auto='true'> is computed by Gazebo Sim from the densities of its shapes; write its <mass>, <pose>"
+    " and <inertia> there, as `gz model -m NAME -l` prints them"
+)
+
+
 class Inertial(NamedTuple):
     """The mass of a link, kg, and its centre, (3,), in the model's frame, metres."""
 
@@ -238,13 +244,15 @@ class Inertial(NamedTuple):
 def inertials(frames: ModelFrames) -> dict[str, Inertial]:
     """Return the inertial of every link of a model: by SDF's default 1 kg at the origin of the link.
 
-    FileError for a mass that is not positive, and for a moment of inertia that is negative.
+    FileError for a mass that is not positive, a moment of inertia that is negative, and what a simulator computes.
     """
     by_link = {}
     for link, element in frames.links():
         mass, place, inertial = 1.0, frames.transform(link), element.find("inertial")
         if inertial is not None:
             where = f"{frames.where}: link {shown(link)}"
+            if inertial.get("auto", "") in ("1", "true"):
+                raise FileError(f"{where}: {_AUTOMATIC}")
             (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
             refuse_mass(mass, where)
             refuse_moments(inertia_tensor(link, element, frames), where)
@@ -349,6 +357,11 @@ def extents(frames: ModelFrames) -> Extents:
     unknown = set()
     solids: dict[Hashable, SweptBox | Array | None] = {}
     for link, collision, geometry in frames.collisions():
+        if geometry[0].find("submesh") is not None:
+            part = f"link {shown(link)}: collision shape {shown(collision.get('name', ''))}"
+            raise FileError(
+                f"{frames.where}: {part} is a <submesh>, which is not read; write it into a file of its own"
+            )
         key = form_of(geometry)
         solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)
         if solid is None:
