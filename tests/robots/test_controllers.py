@@ -98,3 +98,19 @@ def test_a_file_that_names_the_wheels_and_is_not_read_is_named_with_its_line(tmp
     assert any(
         remark.startswith("left out, as it is not read: my_control/config/control.yaml:5") for remark in robot.remarks
     )
+
+
+def test_of_several_controllers_that_whose_sizes_are_those_of_the_wheels_counts(tmp_path: Path) -> None:
+    sizes = {"a_wide": (0.5, 0.09), "b_near": (0.3, 0.0505), "c_small": (0.2, 0.02)}
+    (tmp_path / "package.xml").write_text(PACKAGE.format("my_description", ""))
+    for speed, (name, (apart, radius)) in enumerate(sizes.items(), 1):
+        content = WHEELS.format("", "").replace("1.7", str(speed))
+        (tmp_path / f"{name}.yaml").write_text(content + f"  wheel_separation: {apart}\n  wheel_radius: {radius}\n")
+    file = tmp_path / "robot.urdf"
+    file.write_text(two_wheels_urdf(""))
+    assert from_file(file).speed == 2
+    named = (
+        f"<plugin filename='libgazebo_ros2_control.so'><parameters>{tmp_path / 'c_small.yaml'}</parameters></plugin>"
+    )
+    file.write_text(two_wheels_urdf(named))  # what the robot names counts in any case
+    assert from_file(file).speed == 3

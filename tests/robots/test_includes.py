@@ -102,6 +102,21 @@ def test_a_merged_robot_is_placed_by_its_frame(tmp_path: Path) -> None:
     assert from_file(file).drive.separation == pytest.approx(0.4)
 
 
+def test_a_nested_model_is_placed_by_its_frame(tmp_path: Path) -> None:
+    frame = "<frame name='foot'><pose>0 0 0.3 0 0 0</pose></frame>"
+    inner = f"<model name='inner' placement_frame='foot'><pose>1 2 0.4 0 0 0</pose>{whole()}{frame}</model>"
+    file = written(tmp_path / "a", inner)
+    robot = from_file(file)
+    assert robot.lift == pytest.approx(-0.1)  # where the floor of the inner one is, 0.3 below its frame
+    np.testing.assert_allclose(robot.body.centre[:2], (1, 2), atol=1e-6)
+
+
+def test_a_robot_with_a_placement_frame_is_placed_by_its_origin(tmp_path: Path) -> None:
+    file = written(tmp_path / "a", whole())
+    file.write_text(file.read_text().replace("<model ", "<model placement_frame='base' "))
+    assert "placement_frame" not in from_file(file).model("one", "sim")
+
+
 def test_a_part_may_be_relative_to_another_and_include_more(tmp_path: Path) -> None:
     pair = (
         nested("model://tyre")

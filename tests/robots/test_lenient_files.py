@@ -113,6 +113,7 @@ def test_what_is_no_robot_is_one_line_that_says_what_it_is(tmp_path: Path, name:
     [
         ("file:///nowhere/tyre.stl", "there is no such file"),
         ("meshes/tyre.stl", "there is no such file"),
+        ("https://fuel.gazebosim.org/1.0/tyre.stl", "rsegen fetches nothing itself; download it"),
         ("package://my_description/meshes/tyre.stl", "there is no meshes/tyre.stl in {folder}/my_description"),
         ("package://nobodys_description/tyre.stl", "put its package next to that of the file"),
     ],

@@ -12,7 +12,7 @@ import rsegen
 from rsegen.errors import FileError
 from rsegen.geometry.collada import Triangles
 from rsegen.robots import body, meshes, sdf_shapes
-from rsegen.robots.meshes import collision_mesh, mesh_bounds, read_mesh, simplified
+from rsegen.robots.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file
 from rsegen.standing.resting import has_stood
 from rsegen.standing.settling import PaddedGround, outer_radius, settle
@@ -30,7 +30,7 @@ def test_bounds_are_those_of_the_triangles(name: str, form: str, tmp_path: Path)
     path = tmp_path / f"part.{form.removesuffix('_ascii')}"
     solid = SOLIDS[name].copy().apply_translation((0.3, -0.1, 2.0))
     solid.export(path, file_type=form)
-    low, high = mesh_bounds(path)
+    low, high = bounds(mesh_corners(path))
     np.testing.assert_allclose((low, high), solid.bounds, atol=1e-6)
     points, corners = read_mesh(path)
     assert np.array_equal(low, points[corners].min(axis=(0, 1)))
@@ -53,7 +53,7 @@ def test_an_stl_cut_short_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "part.stl"
     SOLIDS["ball"].export(path)
     path.write_bytes(path.read_bytes()[:-20])
-    for read in (mesh_bounds, read_mesh):
+    for read in (mesh_corners, read_mesh):
         with pytest.raises(FileError, match=r"part\.stl: "):
             read(path)
 
@@ -64,7 +64,7 @@ def test_a_corner_that_is_no_number_does_not_count(tmp_path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[84 + 12 : 84 + 16] = np.float32(np.nan).tobytes()
     path.write_bytes(content)
-    low, high = mesh_bounds(path)
+    low, high = bounds(mesh_corners(path))
     assert np.isfinite([low, high]).all()
     np.testing.assert_allclose(high - low, (0.4, 0.2, 0.1))
 
@@ -81,7 +81,7 @@ def test_a_mesh_of_many_shapes_is_read_once(tmp_path: Path, monkeypatch: pytest.
     path = tmp_path / "many.sdf"
     path.write_text(f'<sdf version="1.9"><model name="many">{links}</model></sdf>')
     read: list[str] = []
-    for module, reader in ((sdf_shapes, mesh_bounds), (body, collision_mesh)):
+    for module, reader in ((sdf_shapes, mesh_corners), (body, collision_mesh)):
 
         def counted(path: Path, reader=reader):  # type: ignore[no-untyped-def]
             read.append(path.name)
@@ -98,6 +98,48 @@ def test_a_mesh_of_many_shapes_is_read_once(tmp_path: Path, monkeypatch: pytest.
     assert sorted(read) == ["box.stl", "box.stl", "wheel.stl"]
     assert len(parts.parts) == 15
     assert parts.high[0] - parts.low[0] == pytest.approx(0.8)
+
+
+def test_a_turned_mesh_reaches_as_far_as_its_corners(tmp_path: Path) -> None:
+    SOLIDS["wheel"].export(tmp_path / "wheel.stl")  # along z, of radius 0.1 and width 0.05
+    links, joints = "<link name='base'/>", ""
+    for name, y in (("left", 0.3), ("right", -0.3)):
+        pose = "<pose>0 0 0 1.5707963267948966 0.6 0</pose>"  # about its axle too
+        mesh = f"<collision name='c'>{pose}<geometry><mesh><uri>wheel.stl</uri></mesh></geometry></collision>"
+        links += f"<link name='{name}'><pose>0 {y} 0.1 0 0 0</pose>{mesh}</link>"
+        ends = f"<parent>base</parent><child>{name}</child>"
+        joints += f"<joint name='{name}_hub' type='revolute'>{ends}<axis><xyz>0 1 0</xyz></axis></joint>"
+    path = tmp_path / "turned.sdf"
+    path.write_text(f"<sdf version='1.9'><model name='turned'>{links}{joints}</model></sdf>")
+    robot = from_file(path)
+    assert robot.drive.radius == pytest.approx(0.1, rel=0.01)  # the box around its turned box has 0.139
+    assert robot.lift == pytest.approx(0.0, abs=1e-3)
+    assert robot.size == pytest.approx((0.2, 0.65, 0.2), abs=2e-3)
+
+
+def test_a_part_of_a_mesh_is_refused(tmp_path: Path) -> None:
+    SOLIDS["box"].export(tmp_path / "box.stl")
+    path = tmp_path / "part.sdf"
+    path.write_text(
+        "<sdf version='1.9'><model name='m'><link name='l'><collision name='c'><geometry><mesh><uri>box.stl</uri>"
+        "<submesh><name>lid</name></submesh></mesh></geometry></collision></link></model></sdf>"
+    )
+    with pytest.raises(FileError, match="link 'l': collision shape 'c' is a <submesh>, which is not read; write it"):
+        from_file(path)
+
+
+@pytest.mark.filterwarnings("error")
+def test_triangles_of_no_area_are_no_surface(tmp_path: Path) -> None:
+    solid = SOLIDS["ball"].copy()
+    flat = np.concatenate([solid.faces, solid.faces[:, [0, 1, 1]]])
+    trimesh.Trimesh(solid.vertices, flat, process=False).export(tmp_path / "ball.stl")
+    path = tmp_path / "ball.sdf"
+    path.write_text(
+        "<sdf version='1.9'><model name='ball'><link name='l'><collision name='c'><geometry><mesh><uri>ball.stl</uri>"
+        "</mesh></geometry></collision></link></model></sdf>"
+    )
+    normals = from_file(path).body.normals
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1)
 
 
 SIDE = 0.01
@@ -176,7 +218,9 @@ def test_corners_of_many_faces_are_not_merged(tmp_path: Path, monkeypatch: pytes
     separate = read_mesh(path)
     assert len(separate.points) == 3 * len(separate.corners)
     np.testing.assert_array_equal(separate.points[separate.corners], merged.points[merged.corners])
-    np.testing.assert_array_equal(mesh_bounds(path), (separate.points.min(axis=0), separate.points.max(axis=0)))
+    np.testing.assert_array_equal(
+        bounds(mesh_corners(path)), (separate.points.min(axis=0), separate.points.max(axis=0))
+    )
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ import pytest
 from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.robots.drives import BACKENDS, Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.sdf_shapes import ModelFrames
 from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
 
 MESH = "<collision name='m'><geometry><mesh><uri>{}</uri></mesh></geometry></collision>"
@@ -205,8 +206,8 @@ def test_wheels_are_found_by_their_shapes_and_casters_are_not(tmp_path: Path) ->
         "smaller": wheel("l", "-0.2 0.1 -0.01", 0.02) + wheel("r", "-0.2 -0.1 -0.01", 0.02),
         "above the ground": wheel("l", "-0.2 0.1 0.2") + wheel("r", "-0.2 -0.1 0.2"),
         "along x": wheel("l", "-0.2 0.1 0.02", axis="1 0 0") + wheel("r", "-0.2 -0.1 0.02", axis="1 0 0"),
-        "steered": "".join(
-            f'<link name="{side}_fork"><pose>-0.2 {y} 0.02 0 0 0</pose></link><joint name="{side}_swivel"'
+        "swivelling": "".join(
+            f'<link name="{side}_fork"><pose>-0.18 {y} 0.02 0 0 0</pose></link><joint name="{side}_swivel"'
             f' type="revolute"><parent>base</parent><child>{side}_fork</child><axis><xyz>0 0 1</xyz></axis></joint>'
             + wheel(side, f"-0.2 {y} 0.02", parent=f"{side}_fork")
             for side, y in (("l", 0.1), ("r", -0.1))
@@ -344,6 +345,32 @@ def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
 def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:
     drive = read(tmp_path, two_wheels().replace("_hub", "_wheel"), "left_wheel,right_wheel").drive
     assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
+
+
+@pytest.mark.parametrize("parent", ["__model__", "front", "base"])
+def test_joints_on_frames_hang_on_the_links_to_which_these_are_attached(tmp_path: Path, parent: str) -> None:
+    text = two_wheels(ROS_1, "1.9")
+    frames = (
+        "<frame name='front' attached_to='base'><pose>1 0 0 0 0 0</pose></frame>"
+        "<frame name='turned' attached_to='left_wheel'><pose degrees='true'>0 0.1 0 90 0 0</pose></frame>"
+        "<frame name='hub' attached_to='turned'/>"
+    )
+    text = text.replace("<child>left_wheel</child><axis><xyz>0 0 1", "<child>hub</child><axis><xyz>0 1 0")
+    text = text.replace("<parent>base</parent>", f"<parent>{parent}</parent>").replace("</model>", f"{frames}</model>")
+    robot, plain = read(tmp_path, text), read(tmp_path, two_wheels(ROS_1))
+    assert robot.drive.joints == plain.drive.joints
+    assert (robot.drive.separation, robot.drive.radius) == (plain.drive.separation, plain.drive.radius)
+    frames_of = ModelFrames(ElementTree.fromstring(robot.text), "test")
+    assert {frames_of.parent(joint) for joint in robot.drive.joints} == {"base"}
+    assert frames_of.joint("left_hub")[:3, 3] == pytest.approx((0, 0.15, -0.08))
+    assert frames_of.axis("left_hub") == pytest.approx((0, 1, 0))
+
+
+@pytest.mark.parametrize("frames", ["<frame name='a' attached_to='b'/><frame name='b' attached_to='a'/>"])
+def test_frames_that_are_attached_to_themselves_are_refused(tmp_path: Path, frames: str) -> None:
+    text = two_wheels(version="1.9").replace("<child>left_wheel", "<child>a").replace("</model>", f"{frames}</model>")
+    with pytest.raises(FileError, match="is attached to itself"):
+        read(tmp_path, text)
 
 
 def test_frames_that_go_round_in_a_circle_are_refused(tmp_path: Path) -> None:

@@ -102,3 +102,10 @@ def test_moments_of_point_masses_are_possible_and_rounding_makes_them_no_others(
     assert not is_impossible(np.diag(moments))
     turn = rotation(0.1, 0.2, 0.3)
     assert is_impossible(turn @ np.diag([1, 1, 2.1]) @ turn.T)
+
+
+@pytest.mark.parametrize("mass", ["", "<mass>2</mass>"])
+def test_an_inertial_that_gazebo_computes_is_refused(tmp_path: Path, mass: str) -> None:
+    text = two_wheels(ROS_1).replace("<inertial><mass>3</mass>", f"<inertial auto='true'>{mass}", 1)
+    with pytest.raises(FileError, match="link 'base': its <inertial auto='true'> is computed by Gazebo Sim"):
+        read(tmp_path, text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,7 @@ HUNG = """\
     <parent link="base_footprint"/><child link="{side}_fork"/><axis xyz="{axis}"/>{limits}</joint>
   <link name="{side}_front"><inertial>{part}</inertial>
     <collision><geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
-  <joint name="{side}_front_hub" type="continuous"><origin rpy="{back} 0 0"/>
+  <joint name="{side}_front_hub" type="continuous"><origin xyz="{trail} 0 0" rpy="{back} 0 0"/>
     <parent link="{side}_fork"/><child link="{side}_front"/><axis xyz="0 0 1"/></joint>
 """
 LIMITS = '<limit lower="-0.5" upper="0.5" effort="1" velocity="1"/>'
@@ -30,9 +31,13 @@ RATED = '<joint name="{}_hub"><command_interface name="velocity"/></joint>'
 TURNED = "<joint name='{}_pin'><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>"
 
 
-def hung(folder: Path, kind: str, axis: str, limits: str = "", more: str = "", tilt: float = 0.0) -> SdfRobot:
-    """Two wheels, and two more in front of them, each on a pin."""
+def hung(
+    folder: Path, kind: str, axis: str, limits: str = "", more: str = "", lean: tuple[float, float] = (0.0, 0.0)
+) -> SdfRobot:
+    """Two wheels, and two more in front of them, each on a pin; lean: its tilt, radians, and the trail, metres."""
+    tilt, trail = lean
     values = {
+        "trail": trail,
         "kind": kind,
         "axis": axis,
         "limits": limits,
@@ -55,6 +60,7 @@ def both(text: str) -> str:
     [
         ("revolute", LIMITS, "", 0.0),
         ("revolute", LIMITS, "", 0.3),  # a kingpin leans
+        ("continuous", "", "", 0.0),  # a plug-in of its maker holds it: without a trail it is no caster
         ("continuous", "", CONTROL.format(both(POSED)), 0.0),
         ("continuous", "", CONTROL.format(both(POSED) + both(RATED)), 0.0),
         ("continuous", "", f"<transmission>{both(TURNED)}</transmission>", 0.0),
@@ -63,16 +69,36 @@ def both(text: str) -> str:
 def test_wheels_on_an_upright_pin_that_is_held_are_steered(
     tmp_path: Path, kind: str, limits: str, more: str, tilt: float
 ) -> None:
-    robot = hung(tmp_path, kind, "0 0 1", limits, more, tilt)
+    robot = hung(tmp_path, kind, "0 0 1", limits, more, (tilt, 0.0))
     assert robot.read_drive is None
     assert robot.steered == ("left_front_hub", "right_front_hub")
+    assert from_file(tmp_path / "cart.urdf", "left_hub,right_hub").held == ("left_pin", "right_pin")
 
 
 def test_wheels_on_an_upright_pin_that_nothing_holds_are_casters(tmp_path: Path) -> None:
-    robot = hung(tmp_path, "continuous", "0 0 1")
+    robot = hung(tmp_path, "continuous", "0 0 1", lean=(0.0, -0.02))
     assert not robot.steered
     assert isinstance(robot.drive, Wheels)
     assert robot.drive.left == ("left_hub",)
+
+
+def test_wheels_on_universal_joints_are_steered(tmp_path: Path) -> None:
+    file = tmp_path / "cart.sdf"
+    text = two_wheels()
+    for side in ("left", "right"):
+        link = re.search(f'<link name="{side}_wheel">.*?</joint>', text, re.DOTALL)
+        assert link
+        front = (
+            link[0].replace(side, f"front_{side}").replace("<pose>0 ", "<pose>0.3 ").replace("revolute", "universal")
+        )
+        pin = "<axis><xyz>0 -1 0</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis><axis2>"
+        text = text.replace(
+            "</model>", front.replace("<axis>", pin).replace("1</xyz></axis>", "1</xyz></axis2>") + "</model>"
+        )
+    file.write_text(text)
+    robot = from_file(file)
+    assert robot.read_drive is None
+    assert sorted(robot.steered) == ["front_left_hub", "front_right_hub"]
 
 
 @pytest.mark.parametrize("axis", ["1 0 0", "0 1 0"])

@@ -71,6 +71,13 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
 
 @with_xacro
 @pytest.mark.slow
+def test_functions_of_mathematics_are_called(tmp_path: Path) -> None:
+    robot = expanding(tmp_path, '<gazebo reference="base"><kp>${log10(10**6) + math.fmod(5, 3)}</kp></gazebo>')
+    assert "<kp>8.0</kp>" in robot.text
+
+
+@with_xacro
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inner", "says"),
     [
@@ -263,6 +270,17 @@ def test_macros_of_included_files_are_not_called_without_xacro_before_them(tmp_p
     assert expanding(tmp_path, include).drive
     with pytest.raises(FileError, match="there is no xacro: before the names of <heavy>, without which ROS expands"):
         expanding(tmp_path, include + '<heavy m="2"/>')
+
+
+@with_xacro
+@pytest.mark.slow
+def test_values_of_included_files_without_xacro_before_them_are_named(tmp_path: Path) -> None:
+    (tmp_path / "sizes.xacro").write_text("<robot><property name='side' value='2'/></robot>")
+    inner = '<xacro:include filename="sizes.xacro"/><gazebo reference="base"><kp>${side}</kp></gazebo>'
+    with pytest.raises(
+        FileError, match=r"'side' is not defined .*sizes.xacro: there is no xacro: before the names of <p"
+    ):
+        expanding(tmp_path, inner)
 
 
 @with_xacro

@@ -130,12 +130,12 @@ def _controllers(where: Path, named: Sequence[Path], joints: set[str], remarks: 
     """
     packages = list(packages_around(where))
     own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
-    files = chain(named, chain.from_iterable(map(_yaml_files, own)))
     has_own = False
-    for file, tables in _with_wheels(files, joints, remarks):
-        for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
-            has_own = True
-            yield controller
+    for files in (iter(named), chain.from_iterable(map(_yaml_files, own))):
+        for file, tables in () if has_own else _with_wheels(files, joints, remarks):
+            for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
+                has_own = True
+                yield controller
     others = chain.from_iterable(_yaml_files(package) for package in packages if package not in own)
     for file, tables in () if has_own else _with_wheels(others, joints, []):
         if any(_controller(table, joints, file) for table in tables):

@@ -87,7 +87,7 @@ HELD = "held as its model has them, as nothing drives them"
 def hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
     """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
     read = robot.read_drive
-    held = hold(model, robot.drive if read else None, follows=follows)
+    held = hold(model, robot.drive if read else None, follows=follows, steering=robot.steering)
     turn_to_the_left(model, robot.kind, read.turned if read else ())
     return held
 

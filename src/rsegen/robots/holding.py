@@ -20,9 +20,10 @@ from rsegen.robots.sdf_elements import put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 
-def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ...]:
+def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collection[str] = ()) -> tuple[str, ...]:
     """Make the joints that nothing drives fixed, and return their names; without a drive, all that move.
 
+    steering: joints that are held even if they turn without end
     follows: whether the simulator keeps to <mimic>; if not, all joints are as if they had none
     """
     frames = ModelFrames(model, model.get("name", ""))
@@ -36,7 +37,8 @@ def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ..
         if name in free or name in wheels:
             return False
         joint = frames.joints[name]
-        return drive is None or frames.child(name) in belts or not (is_endless(joint) or _has_spring(joint))
+        is_stiff = name in steering or frames.child(name) in belts
+        return drive is None or is_stiff or not (is_endless(joint) or _has_spring(joint))
 
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
     moving = [name for name, joint in frames.joints.items() if joint.get("type") in MOVING and name not in wheels]

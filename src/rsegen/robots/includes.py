@@ -50,6 +50,7 @@ class Includes:
         """
         for nested in model.findall("model"):
             self.put_into(nested, file, above)
+            _place(nested, nested, str(file))
         lost: list[str] = []
         for include in model.findall("include"):
             at = list(model).index(include)

@@ -146,10 +146,10 @@ def refuse_large(path: Path, size: int, advice: str = "") -> None:
         raise FileError(f"{path}: {why}; {advice}")
 
 
-def mesh_bounds(path: Path) -> tuple[Array, Array]:
-    """Return the lowest and the highest place of the triangles of a mesh, (3,) each, metres; errors as of `read_mesh`.
+def mesh_corners(path: Path) -> Array:
+    """Return the corners of the triangles of a mesh, (n, 3), metres; errors as of `read_mesh`.
 
-    Of a binary STL file without merging its corners, which costs most.
+    Of a binary STL file as they stand there, as merging them costs most.
     """
     corners = None
     if path.suffix.lower() == ".stl" and find_spec("trimesh"):
@@ -158,7 +158,7 @@ def mesh_bounds(path: Path) -> tuple[Array, Array]:
     if corners is None or not len(corners) or not np.isfinite(corners).all():
         points, faces = read_mesh(path)
         corners = points[faces]
-    return bounds(np.asarray(corners, dtype=np.float64).reshape(-1, 3))
+    return np.asarray(corners).reshape(-1, 3)
 
 
 def simplified_to(mesh: Triangles, parts: int) -> Triangles:

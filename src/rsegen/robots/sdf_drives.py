@@ -61,6 +61,9 @@ _ALONG = 0.99
 UPRIGHT = 0.7
 """Vertical part of an axis from which on what it carries is steered, or swivels, and is no rocker."""
 
+_TRAIL = 0.05
+"""Share of its radius by which a caster trails at least: makers' have 0.3 to 1, and the steered wheels of cars 0."""
+
 _ENDLESS = 100.0
 """Radians between the limits of a joint from which on it may be that of a wheel: no arm turns 16 times."""
 
@@ -105,16 +108,33 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
     """Return the drive of a model; None if it has none that is known, nor wheels."""
     if drive := _plugged(model, frames):
         return drive
-    for controller in ros.controllers:
-        joints = (*controller.left, *controller.right)  # of which some may be left out, as they have no mass
-        if all(joint in frames.joints and abs(frames.axis(joint)[1]) >= _ALONG for joint in joints) and (
-            drive := _of_wheels(controller, frames, ros)
-        ):
+    # Joints of some may be left out, as they have no mass.
+    whole = [
+        controller
+        for controller in ros.controllers
+        if all(joint in frames.joints and _is_along_y(joint, frames) for joint in (*controller.left, *controller.right))
+    ]
+    for controller in sorted(whole, key=lambda controller: _misfit(controller, frames)):
+        if drive := _of_wheels(controller, frames, ros):
             return drive
     if steered_wheels(frames, ros):
         return None
     controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
     return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
+
+
+def _misfit(controller: Controller, frames: ModelFrames) -> float:
+    """Return how far the sizes of a controller are from those of its wheels, as a sum of shares; 0 if they agree.
+
+    A robot with one of several wheels has a file for each in its package.
+    """
+    left, right = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
+    sizes = (
+        (controller.radius, _radius(controller.left, frames), _AGREES),
+        (controller.separation, float(abs(left - right)), _AS_FAR),
+    )
+    shares = [(abs(said / own - 1), near) for said, own, near in sizes if said and own]
+    return sum(share for share, near in shares if share > near)
 
 
 def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -200,37 +220,51 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     return _paired(wheels, frames, "the shapes of its links, as its file does not say", Controls())
 
 
-def steered_wheels(frames: ModelFrames, ros: Controls) -> list[str]:
-    """Return the joints of wheels that are steered: as large as the largest, and on an upright joint that is held.
+def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
+    """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
 
-    It has limits, or ROS gives it a position; casters swivel freely. A suspension and a rocker turn about level axes.
-    What is steered does not turn by a difference between its sides.
+    Such wheels are as large as the largest. What steers has limits, or ROS gives it a position, or it does not trail:
+    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What
+    is steered does not turn by a difference between its sides.
     """
     if not frames.shapes.whole:
-        return []
+        return {}
     above = {frames.child(name): name for name in frames.joints}
-    across = [joint for joint in frames.joints if is_endless(frames.joints[joint]) and _is_along_y(joint, frames)]
-    radii = {joint: _wheel_radius(joint, frames) for joint in across}
+    universal = {name for name, joint in frames.joints.items() if joint.get("type") == "universal"}
+    across = [name for name, joint in frames.joints.items() if is_endless(joint) and _is_along_y(name, frames)]
+    radii = {joint: _wheel_radius(joint, frames) for joint in (*across, *universal)}
 
-    def is_steered(joint: str) -> bool:
+    def steering(joint: str) -> str:
+        """Return the joint that steers a wheel; an empty text for none."""
         link = frames.parent(joint)
+        if joint in universal:
+            return joint
         for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
             if link not in above:
-                return False
+                return ""
             held = above[link]
-            if _swivels(held, frames) and (held in ros.placed or not is_endless(frames.joints[held])):
-                return True
+            is_free = held not in ros.placed and is_endless(frames.joints[held])
+            if _swivels(held, frames) and not (is_free and _trails(joint, held, radii[joint], frames)):
+                return held
             link = frames.parent(held)
-        return False
+        return ""
 
     largest = max(radii.values(), default=0.0)
-    return [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest and is_steered(joint)]
+    wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
+    return {joint: by for joint in wheels if (by := steering(joint))}
 
 
 def _swivels(joint: str, frames: ModelFrames) -> bool:
     """Return whether a joint turns what it carries to the left and the right, as that of a caster or a steering."""
     turns = frames.joints[joint].get("type") in ("revolute", "continuous")
     return turns and bool(abs(frames.axis(joint)[2]) >= UPRIGHT)
+
+
+def _trails(wheel: str, swivel: str, radius: float, frames: ModelFrames) -> bool:
+    """Return whether the middle of a wheel is away from the axis on which it swivels, but for along its axle."""
+    away = frames.joint(wheel)[:3, 3] - frames.joint(swivel)[:3, 3]
+    across = np.cross(frames.axis(wheel), frames.axis(swivel))
+    return bool(abs(away @ across) > _TRAIL * radius * np.linalg.norm(across))
 
 
 def _is_along_y(joint: str, frames: ModelFrames) -> bool:

@@ -49,6 +49,7 @@ from rsegen.robots.sdf_drives import (
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
+    hang_on_links,
     impossible_inertias,
     inertials,
     links_by_default,
@@ -90,10 +91,11 @@ class SdfRobot(RobotOnField):
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
     if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
-    be wheels; steered: those of wheels that are steered, if it has no drive; size: of a box around its origin that
-    holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived, assumed: which of
-    size, speed and turn are from the model, and which from nowhere; remarks: sentences about links that were left out,
-    or whose inertia no body has, joints that do not follow others as they should, and packages that are not found.
+    be wheels; steered: those of wheels that are steered, if it has no drive; steering: the joints that steer them, also
+    if the user names others as its wheels; size: of a box around its origin that holds its collision shapes; lift: how
+    far its origin is above the lowest of them, metres; derived, assumed: which of size, speed and turn are from the
+    model, and which from nowhere; remarks: sentences about links that were left out, or whose inertia no body has,
+    joints that do not follow others as they should, and packages that are not found.
     """
 
     kind: str
@@ -103,6 +105,7 @@ class SdfRobot(RobotOnField):
     read_drive: ReadDrive | None = None
     joints: tuple[str, ...] = ()
     steered: tuple[str, ...] = ()
+    steering: tuple[str, ...] = ()
     size: Vector = (0.5, 0.5, 0.5)
     speed: float = DEFAULT_SPEED
     turn: float = DEFAULT_TURN
@@ -310,6 +313,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     model, version = _model_and_version(source.sdf, where)
     includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
     includes.put_into(model, Path(where))
+    model.attrib.pop("placement_frame", None)  # rsegen places the model by its origin
     missing = list(includes.missing)
     if model.find(".//link") is None:
         advice = f"; {some_of(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
@@ -320,6 +324,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks.append(f"left out, as these collision shapes have no size: {some_of(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
+    hang_on_links(frames)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
     mimics(frames)  # and for what is no number
@@ -331,6 +336,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames)])
+    steering = {} if drive and not wheels else steered_wheels(frames, ros)
     turned = set(map(frames.child, drive.drive.joints)) if drive else set[str]()  # a rotor adds to theirs
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
@@ -356,7 +362,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         backend=_backend(model, drive),
         read_drive=drive,
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in ("revolute", "continuous")),
-        steered=() if drive else tuple(steered_wheels(frames, ros)),
+        steered=() if drive else tuple(steering),
+        steering=tuple(steering.values()),
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,

@@ -2,8 +2,9 @@
 
 Everything is expressed in the frame of the model. A pose may be relative to any other frame (SDF 1.7), so poses are
 followed up to the model, at most _DEEPEST of them: a file from anybody may have a cycle. A shape's extent is an
-axis-aligned box: a box swept by an ellipsoid covers all of SDF's shapes, and rotates in closed form. A mass has to be
-positive, and no moment of inertia negative; moments that no body has are only reported, as Gazebo Classic takes them.
+axis-aligned box: a box swept by an ellipsoid covers SDF's shapes, and rotates in closed form; of a mesh all corners are
+turned. A mass has to be positive, and no moment of inertia negative; moments that no body has are only reported, as
+Gazebo Classic takes them.
 Cost: the shapes times the depth of their frames; reading meshes costs most.
 """
 
@@ -21,7 +22,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
-from rsegen.robots.meshes import INLINE, SUFFIXES, mesh_bounds
+from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -51,7 +52,7 @@ class ModelFrames:
     """
 
     def __init__(self, model: Element, where: str) -> None:
-        self.where = where
+        self.where, self._model = where, model
         elements = list(named(model))
         self.elements = {name: element for name, element in elements if element.tag != "joint"}
         self.joints = {name: element for name, element in elements if element.tag == "joint"}
@@ -82,6 +83,28 @@ class ModelFrames:
 
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
+
+    def attached(self, name: str) -> str:
+        """Return the link that a frame, a joint or a nested model is attached to; of a link, or nothing, its name."""
+        for _ in range(_DEEPEST):
+            scope, _, own = name.rpartition("::")
+            element = self.elements.get(name)
+            if name in self.joints and element is None:
+                name = self.child(name)
+            elif own == "__model__" or (element is not None and element.tag == "model"):
+                name = self._canonical(scope if own == "__model__" else name)
+            elif element is not None and element.tag == "frame":
+                name = _in_scope(scope, element.get("attached_to", "") or "__model__")
+            else:
+                return name
+        raise FileError(f"{self.where}: {shown(name)} is attached to itself")
+
+    def _canonical(self, scope: str) -> str:
+        """Return the canonical link of the model, or of a nested one: by default its first."""
+        model = self.elements[scope] if scope else self._model
+        first = next((name for name, _ in self.links() if name.startswith(f"{scope}::" if scope else "")), "")
+        own = model.get("canonical_link", "")
+        return _in_scope(scope, own) if own else first
 
     def links(self) -> Iterator[tuple[str, Element]]:
         """Yield the links with their names."""
@@ -142,6 +165,25 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
             yield from named(element, f"{scope}{element.get('name', '')}::")
 
 
+def hang_on_links(frames: ModelFrames) -> None:
+    """Make joints whose ends are frames, or nested models, hang on the links to which these are attached."""
+    for name, joint in frames.joints.items():
+        scope = name.rpartition("::")[0]
+        for end in (element for tag in ("parent", "child") for element in joint.findall(tag)):
+            own = (end.text or "").strip()
+            link = frames.attached(_in_scope(scope, own)).removeprefix(f"{scope}::" if scope else "")
+            if link == own:
+                continue
+            if end.tag == "child":  # whose frame is that of the joint
+                pose = joint.find("pose")
+                if pose is None:
+                    pose = Element("pose")
+                    joint.insert(0, pose)
+                if not pose.get("relative_to", pose.get("frame", "")):
+                    pose.set("relative_to", own)
+            end.text = link
+
+
 def floats(text: str | None, count: int, where: str) -> list[float]:
     """Return `count` numbers of a text, none beyond a million; FileError if it has others."""
     try:
@@ -196,6 +238,12 @@ def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     )
 
 
+_AUTOMATIC = (
+    "its <inertial auto='true'> is computed by Gazebo Sim from the densities of its shapes; write its <mass>, <pose>"
+    " and <inertia> there, as `gz model -m NAME -l` prints them"
+)
+
+
 class Inertial(NamedTuple):
     """The mass of a link, kg, and its centre, (3,), in the model's frame, metres."""
 
@@ -206,13 +254,15 @@ class Inertial(NamedTuple):
 def inertials(frames: ModelFrames) -> dict[str, Inertial]:
     """Return the inertial of every link of a model: by SDF's default 1 kg at the origin of the link.
 
-    FileError for a mass that is not positive, and for a moment of inertia that is negative.
+    FileError for a mass that is not positive, a moment of inertia that is negative, and what a simulator computes.
     """
     by_link = {}
     for link, element in frames.links():
         mass, place, inertial = 1.0, frames.transform(link), element.find("inertial")
         if inertial is not None:
             where = f"{frames.where}: link {shown(link)}"
+            if inertial.get("auto", "") in ("1", "true"):
+                raise FileError(f"{where}: {_AUTOMATIC}")
             (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
             refuse_mass(mass, where)
             refuse_moments(inertia_tensor(link, element, frames), where)
@@ -315,22 +365,37 @@ def extents(frames: ModelFrames) -> Extents:
     """Return the extents of the collision shapes of every link of a model."""
     known: dict[str, Extent] = {}
     unknown = set()
-    solids: dict[Hashable, SweptBox | None] = {}
+    solids: dict[Hashable, SweptBox | Array | None] = {}
     for link, collision, geometry in frames.collisions():
+        if geometry[0].find("submesh") is not None:
+            part = f"link {shown(link)}: collision shape {shown(collision.get('name', ''))}"
+            raise FileError(
+                f"{frames.where}: {part} is a <submesh>, which is not read; write it into a file of its own"
+            )
         key = form_of(geometry)
-        solid = solids[key] = solids[key] if key in solids else swept_box(geometry, frames.where)
+        solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)
         if solid is None:
             unknown.add(link)
             continue
-        pose = frames.shape(link, collision)
-        # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
-        half = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
-        middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
-        low, high = middle - half, middle + half
+        low, high = _placed(solid, frames.shape(link, collision))
         box = known.get(link, Extent(low, high))
         known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
     lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]
     return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
+
+
+def _placed(solid: SweptBox | Array, pose: Array) -> Extent:
+    """Return the extent of a solid at a pose, (4, 4)."""
+    turn, place = pose[:3, :3], pose[:3, 3]
+    if not isinstance(solid, SweptBox):
+        reached = [solid @ axis for axis in turn]  # a fifth of the time of all axes at once
+        return Extent(
+            place + [float(along.min()) for along in reached], place + [float(along.max()) for along in reached]
+        )
+    # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
+    half = np.abs(turn) @ solid.half + np.sqrt((turn**2) @ np.square(solid.radii))
+    middle = turn @ solid.centre + place
+    return Extent(middle - half, middle + half)
 
 
 def form_of(geometry: Element) -> Hashable:
@@ -382,7 +447,17 @@ def radius_and_length(kind: Element, where: str) -> tuple[float, float]:
 
 
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
-    """Return the swept box of a geometry; None for an unknown one."""
+    """Return the swept box of a geometry, of a mesh the box around it; None for an unknown one."""
+    solid = _solid(geometry, where)
+    if solid is None or isinstance(solid, SweptBox):
+        return solid
+    low, high = bounds(solid)
+    half, centre = np.abs(high - low) / 2, (low + high) / 2
+    return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
+
+
+def _solid(geometry: Element, where: str) -> SweptBox | Array | None:
+    """Return the swept box of a geometry, or the corners of a mesh, (n, 3); None for an unknown one."""
     kind = geometry[0]
     if kind.tag == "box":
         x, y, z = (side / 2 for side in floats(kind.findtext("size"), 3, where))
@@ -393,20 +468,18 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
     if kind.tag in ROUND:
         r, length = radius_and_length(kind, where)
         return SweptBox((0, 0, length / 2), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
-    return _mesh(kind, where) if kind.tag == "mesh" else None
+    return _corners(kind, where) if kind.tag == "mesh" else None
 
 
-def _mesh(mesh: Element, where: str) -> SweptBox | None:
-    """Return the box of a mesh in a file; None for one that cannot be read here."""
+def _corners(mesh: Element, where: str) -> Array | None:
+    """Return the corners of a mesh in a file, (n, 3); None for one that cannot be read here."""
     path, scale = file_and_scale(mesh, where)
     if path.suffix.lower() not in SUFFIXES and not str(path).startswith(INLINE):
         return None
     try:
-        low, high = (side * scale for side in mesh_bounds(path))
+        return mesh_corners(path) * scale
     except ImportError:
         return None
-    half, centre = np.abs(high - low) / 2, (low + high) / 2
-    return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
 
 
 def file_and_scale(mesh: Element, where: str) -> tuple[Path, Array]:

@@ -71,6 +71,8 @@ def _advice(uri: str, file: Path) -> str:
         if folder is None:
             return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
         return f"there is no {inner} in {folder}"
+    if scheme in ("http", "https"):
+        return "rsegen fetches nothing itself; download it, and write its path there"
     return "there is no such file"
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ast
 import json
+import math
 import os
 import re
 import signal
@@ -26,7 +27,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, UserError, library_message, line_of
-from rsegen.input_files import xml_root
+from rsegen.input_files import text_of, xml_root
 from rsegen.params.extras import pip_install
 from rsegen.robots import XACRO
 from rsegen.robots.uris import found_package, installed
@@ -56,8 +57,8 @@ _NAMESPACES = ("math", "python", "xacro")
 
 _CALLED = {
     *("abs", "bool", "dict", "float", "int", "len", "list", "max", "min", "range", "round", "sorted", "str", "sum"),
-    *("acos", "asin", "atan", "atan2", "cos", "degrees", "hypot", "radians", "sin", "tan", "tuple"),
-    *("ceil", "exp", "fabs", "floor", "log", "pow", "sqrt"),
+    "tuple",
+    *(name for name, function in vars(math).items() if callable(function) and not name.startswith("_")),
     *("abs_filename", "arg", "dotify", "fatal", "load_yaml", "message", "warning"),
 }
 """Functions that an expression may call: none of them gives a way to Python's own."""
@@ -153,25 +154,25 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
 def main(where: str) -> int:
     """Print the expanded text of what comes by stdin, or why there is none; the exit code says which."""
     result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
-    task, missing = json.load(sys.stdin), dict[str, None]()
+    task, missing, included = json.load(sys.stdin), dict[str, None](), list[Path]()
     with suppress(ImportError):  # there is none in Windows
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         resource.setrlimit(resource.RLIMIT_CPU, (task["seconds"], task["seconds"] + 1))
     try:
-        text = _expanded(task["text"], where, task["arguments"], missing)
+        text = _expanded(task["text"], where, task["arguments"], missing, included)
     except FileError as error:
         result.write(str(error))
         return 1
     except Exception as error:  # macros fail in as many ways as programs
-        result.write(_reason(error, missing))
+        result.write(_reason(error, missing, included))
         return 1
     json.dump({"text": text, "missing": list(missing)}, result)
     return 0
 
 
-def _reason(error: Exception, missing: Mapping[str, None]) -> str:
+def _reason(error: Exception, missing: Mapping[str, None], included: Iterable[Path]) -> str:
     """Return why a file cannot be expanded, with what may be done about it."""
     inner = getattr(error, "exc", None)
     # Xacro says the class and the message of what $(...) raises, and the message once more.
@@ -182,6 +183,9 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     if undefined:
         return f"{reason}; pass it after the file, as in 'FILE {undefined[1]}:=VALUE'"
     is_elsewhere = "nknown macro" in reason or "is not defined" in reason
+    for file in included if is_elsewhere else ():
+        if bare := bare_macros(text_of(file, _LARGEST >> 20, "a file of Xacro")):
+            return f"{reason}; {file}: {_without_prefix(bare)}"
     if is_elsewhere and missing:
         advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
         return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"
@@ -198,8 +202,10 @@ class _Missing(ValueError):
         self.package = name
 
 
-def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict[str, None]) -> str:
-    """Return the expanded text; `missing` gets the packages of which nothing could be included."""
+def _expanded(
+    text: str, where: str, arguments: Mapping[str, str], missing: dict[str, None], included: list[Path]
+) -> str:
+    """Return the expanded text; `missing` gets the packages of which nothing could be included, `included` the rest."""
     import xacro
     from xacro import substitution_args
 
@@ -208,7 +214,9 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
     def found_files(filename: str, symbols: Any) -> Iterator[str]:
         """Yield the files that an element includes; none if their package is not found."""
         try:
-            yield from (str(installed(Path(name))) for name in include_files(filename, symbols))
+            for name in include_files(filename, symbols):
+                included.append(installed(Path(name)))
+                yield str(included[-1])
         except Exception as error:
             inner: Any = error
             while inner is not None and not isinstance(inner, _Missing):  # xacro wraps ours in one or two of its own

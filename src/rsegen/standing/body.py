@@ -136,7 +136,7 @@ def sampled_mesh(vertices: Array, faces: Ints, distance: float) -> SurfaceSample
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(across, axis=1)
-    normal = np.divide(across, area[:, None], out=np.zeros_like(across), where=area[:, None] > 0)
+    corners, normal = corners[area > 0], across[area > 0] / area[area > 0, None]  # those of no area look nowhere
     # A triangle gets its corners and middle, and a large one a grid of barycentric coordinates.
     points, normals = [corners.reshape(-1, 3), corners.mean(axis=1)], [np.repeat(normal, 3, axis=0), normal]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0)
