@@ -41,7 +41,7 @@ from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
-from rsegen.writing.target_worlds import Target, chosen, scene_of, write_world
+from rsegen.writing.target_worlds import Target, chosen, path_of, scene_of, write_world
 from rsegen.writing.targets import recipe_files
 
 _ROUNDING = 1e-3
@@ -525,7 +525,7 @@ def _recipes(target: Target) -> list[Recipe]:
         return [target.recipe]
     if isinstance(target, Recipe):
         return [target]
-    return [recipe_in(file) for file in recipe_files(os.fspath(target))]
+    return [recipe_in(file) for file in recipe_files(path_of(target))]
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
