@@ -221,6 +221,22 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
             raise UnknownName.among("", what, name, known)
 
 
+_HOW_MADE = {
+    "MapDesign": "recipe, which rsegen.load reads and rsegen.recipe_of makes of a field",
+    "Recipe": "recipe, which rsegen.load reads and rsegen.recipe_of makes of a field",
+    "Scene": "scene, which rsegen.compose makes of a recipe",
+    "StepField": "field, which rsegen.build makes of a recipe",
+}
+"""What the values are called that functions in Python take, and how they are made, by their classes."""
+
+
+def refuse_other(where: str, value: object, *kinds: type) -> None:
+    """Raise a ParameterError for a value that is of none of these classes of `_HOW_MADE`, and say how one is made."""
+    if not isinstance(value, kinds):
+        wanted = ", or a ".join(_HOW_MADE[kind.__name__] for kind in kinds)
+        raise ParameterError(where, f"{shown(value)} is not a {wanted}")
+
+
 def library_message(error: BaseException) -> str:
     """Return the message of a library's error on one short line; a KeyError has the missing name alone."""
     missing = "lacks " if isinstance(error, KeyError) else ""

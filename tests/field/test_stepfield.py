@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from rsegen import Recipe, StepField, build
+import rsegen
+from rsegen import Recipe, StepField, boxes, build
+from rsegen.errors import ParameterError
 from rsegen.field.stepfield import framed
 from tests.support.strategies import fields, recipes
 
@@ -68,7 +70,8 @@ def test_heights_of_equal_length_are_equal_numbers() -> None:
 
 def test_arrays_are_read_only() -> None:
     field = build(Recipe())
-    for array in (field.levels, field.frame):
+    filled, mesh = boxes(field), rsegen.mesh(field)
+    for array in (field.levels, field.frame, filled.low, filled.high, mesh.places, mesh.faces):
         with pytest.raises(ValueError, match="read-only"):
             array[0, 0] = 1
 
@@ -77,3 +80,36 @@ def test_the_map_is_centred_on_the_origin() -> None:
     x, y = build(Recipe(chunks=(2, 1), block_width_cm=8.5)).edges()
     assert x[0] == -x[-1] == -24 * 0.085 / 2
     assert y[0] == -y[-1] == -12 * 0.085 / 2
+
+
+GOOD = {
+    "levels": np.ones((2, 3), dtype=np.int16),
+    "frame": np.zeros((2, 3), dtype=bool),
+    "block_width": 0.1,
+    "unit": 0.1,
+    "frame_height": 0.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("levels", [[1, 1, 1], [1, 1, 1]]),
+        ("levels", np.ones((2, 3))),
+        ("levels", -np.ones((2, 3), dtype=np.int16)),
+        ("levels", np.ones(6, dtype=np.int16)),
+        ("levels", np.ones((0, 3), dtype=np.int16)),
+        ("frame", np.zeros((3, 2), dtype=bool)),
+        ("frame", np.zeros((2, 3))),
+        ("block_width", 0),
+        ("block_width", float("nan")),
+        ("unit", -0.1),
+        ("unit", "10"),
+        ("frame_height", -0.1),
+    ],
+)
+def test_what_is_no_field_is_refused(name: str, value: object) -> None:
+    StepField(**GOOD)  # type: ignore[arg-type]  # of these types
+    with pytest.raises(ParameterError, match=f"^{name}: .+ is ") as refusal:
+        StepField(**(GOOD | {name: value}))  # type: ignore[arg-type]  # other types on purpose
+    assert "\n" not in str(refusal.value)

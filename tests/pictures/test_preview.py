@@ -6,6 +6,7 @@ import io
 import json
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pypdf
@@ -185,3 +186,17 @@ def test_entries_of_a_legend_are_read_row_by_row() -> None:
     boxes = {text.get_text(): text.get_window_extent() for text in legend.get_texts()}
     # Digits are a pixel higher or lower, rows some twenty.
     assert sorted(boxes, key=lambda label: (-round(boxes[label].y0 / 10), boxes[label].x0)) == labels
+
+
+@pytest.mark.parametrize("chunks", [(1, 12), (40, 1), (1, 40), (25, 1), (2, 2)])
+def test_numbers_along_axes_do_not_overlap(chunks: tuple[int, int]) -> None:
+    scene = compose(Recipe(seed=1, chunk_size=1, chunks=chunks, obstacles=(Random(levels=5),)))
+    figure = preview_figure(scene, "")
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # matplotlib's
+    plan = figure.axes[0]
+    for axes in (plan, *plan.child_axes):
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=True)
+            boxes = [label.get_window_extent() for place, label in ticks if low <= place <= high]
+            assert not any(one.overlaps(other) for one, other in pairwise(boxes))

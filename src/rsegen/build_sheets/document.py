@@ -24,7 +24,7 @@ from rsegen.build_sheets.timber import (
     too_short,
     unknown_price,
 )
-from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_other
 from rsegen.heights.table import COLUMNS, RECIPE_KEYS
 from rsegen.params.numbers import Lengths, decimal, lengths_in
 from rsegen.pictures.preview import pdf_bytes
@@ -79,6 +79,7 @@ def sheet(
     ParameterError
         If the map is too large for it.
     """
+    refuse_other("scene", scene, Scene)
     saw = saw or CutSettings.default(scene.recipe.units)
     if format not in SHEET_FORMATS:
         raise UnknownName.among("format", "format", format, SHEET_FORMATS)

@@ -6,7 +6,7 @@ import argparse
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -77,10 +77,11 @@ def series(  # noqa: PLR0913  # each is a flag
     """
     from rsegen.datasets.series import make_series, plan_series
     from rsegen.datasets.series_rows import SeriesPlan
+    from rsegen.recipe.recipe import with_maps
     from rsegen.writing.execute import Execution
     from rsegen.writing.plan import OnExisting
 
-    recipe = recipe if maps is None else replace(recipe, maps=maps)
+    recipe = with_maps(recipe, maps)
     series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)  # type: ignore[arg-type]  # checked
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_series(
@@ -131,9 +132,9 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
     TooLarge
         If there is too little space.
     """
-    from rsegen.datasets.difficulty_tiles import as_recipes
     from rsegen.datasets.layout import ShardLayout
     from rsegen.datasets.making import make_shards, plan_dataset
+    from rsegen.recipe.recipe import as_recipes
     from rsegen.writing.execute import Execution
     from rsegen.writing.plan import OnExisting
 

@@ -55,14 +55,6 @@ def tile_levels(recipe: Recipe, index: int) -> Levels:
     return np.where(field.frame, np.int16(frame), field.levels).astype(np.int16)
 
 
-def as_recipes(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
-    """Return one recipe or several as a tuple; ParameterError if it is neither."""
-    recipes = (given,) if isinstance(given, Recipe) else given
-    if not isinstance(recipes, list | tuple) or not all(isinstance(recipe, Recipe) for recipe in recipes):
-        raise ParameterError("recipes", f"{shown(given)} is not a recipe or a list of recipes")
-    return tuple(recipes)
-
-
 def refuse_unlike(recipes: Sequence[Recipe], names: Iterable[str]) -> None:
     """Raise a ParameterError for the first of these parameters in which a recipe differs from the first one."""
     for index, recipe in enumerate(recipes):

@@ -26,7 +26,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from rsegen.datasets.difficulty_tiles import as_recipes, refuse_unlike
+from rsegen.datasets.difficulty_tiles import refuse_unlike
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, shown
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.input_files import JOURNAL, Checksum, checksum_of
@@ -35,7 +35,7 @@ from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.map_design import MapDesign
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe import Recipe, as_recipes
 from rsegen.recipe.recipe_file import recipe_content
 
 CELLS = 1_000_000

@@ -28,7 +28,7 @@ from rsegen.input_files import open_regular
 from rsegen.measuring.batch import COLUMNS, Table, batch_metrics
 from rsegen.measuring.catalogue import RMS, By
 from rsegen.params.extras import pip_install
-from rsegen.params.sorts import Integer
+from rsegen.params.sorts import FilePath, Integer
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
@@ -168,7 +168,7 @@ class Dataset:
     """
 
     def __init__(self, folder: str | Path) -> None:
-        self.folder: Path = Path(folder)
+        self.folder: Path = FilePath().check("folder", folder)
         self.layout: ShardLayout
         self.shards: list[Shard]
         self.layout, self.shards = read_manifest(self.folder)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from rsegen.driving.planning import predictions, required_simulator
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.params.watch import report_share
 from rsegen.recipe.certainty import CERTAINTY
 from rsegen.recipe.recipe import Recipe
@@ -57,6 +57,7 @@ def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
     NoSimulator
         If MuJoCo is not installed.
     """
+    refuse_other("recipe", recipe, Recipe)
     if not isinstance(recipe.crossable_by, str):
         raise ParameterError("crossable_by", "has no robot of which a certainty could be asked")
     CERTAINTY.check("certainty", certainty)

@@ -220,17 +220,16 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     UserError
         If a value is wrong, or the simulator is not installed.
     """
-    from dataclasses import replace
-
     from rsegen.driving.drive import drivable, refuse_best
     from rsegen.driving.many import ManyPlan, make_drives
+    from rsegen.recipe.recipe import with_maps
     from rsegen.simulators.batch import batch_simulator
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import refuse_taken, unchanged_if_stopped
 
     refuse_best(best, route)
     plan = ManyPlan(
-        recipe=recipe if maps is None else replace(recipe, maps=maps),
+        recipe=with_maps(recipe, maps),
         robot=drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn),
         motors=motors,
         route=route,

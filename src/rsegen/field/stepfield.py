@@ -21,7 +21,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.params.sorts import NANOMETRE_DIGITS
+from rsegen.errors import ParameterError, shown
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float
 
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
@@ -33,6 +34,10 @@ CellWindow = tuple[slice, slice]
 
 NO_CAP = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
+
+
+_LENGTHS = {"block_width": Float(1e-9, unit="m"), "unit": Float(1e-9, unit="m"), "frame_height": Float(0, unit="m")}
+"""Lengths of a field: nanometres at least, to which lengths are rounded, or no frame at all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -51,6 +56,11 @@ class StepField:
         Height of a level, metres.
     frame_height : float
         Height of the frames, metres.
+
+    Raises
+    ------
+    ParameterError
+        If a value is of another type or shape, or negative.
     """
 
     levels: Levels
@@ -60,7 +70,15 @@ class StepField:
     frame_height: float
 
     def __post_init__(self) -> None:
-        for array in (self.levels, self.frame):
+        levels, frame = self.levels, self.frame
+        is_grid = isinstance(levels, np.ndarray) and levels.dtype.kind in "iu" and levels.ndim == 2 and levels.size
+        if not is_grid or levels.min() < 0:
+            raise ParameterError("levels", f"{shown(levels)} is not an array (n_x, n_y) of whole numbers from 0 on")
+        if not isinstance(frame, np.ndarray) or frame.dtype != bool or frame.shape != levels.shape:
+            raise ParameterError("frame", f"{shown(frame)} is not an array of bool of shape {levels.shape}, as levels")
+        for name, length in _LENGTHS.items():
+            length.check(name, getattr(self, name))
+        for array in (levels, frame):
             array.setflags(write=False)
 
     def __eq__(self, other: object) -> bool:

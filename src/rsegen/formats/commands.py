@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @command
 def export_maps(  # noqa: PLR0913  # each is a flag
-    recipes: Sequence[Recipe],
+    recipes: Recipe | Sequence[Recipe],
     folder: OutputFolder,
     formats: Annotated[
         Sequence[Format],
@@ -53,7 +53,7 @@ def export_maps(  # noqa: PLR0913  # each is a flag
 
     Parameters
     ----------
-    recipes : sequence of Recipe
+    recipes : Recipe or sequence of Recipe
         The maps.
     progress : callable, optional
         Called with each map that is written.
@@ -72,10 +72,11 @@ def export_maps(  # noqa: PLR0913  # each is a flag
         Before anything is written, if memory or disk space are too small.
     """
     from rsegen.formats.exports import export_joined, joining, plan_exports
+    from rsegen.recipe.recipe import as_recipes
     from rsegen.writing.execute import Execution
     from rsegen.writing.plan import OnExisting, run
 
-    on_existing = OnExisting.of(force=force, resume=resume)
+    recipes, on_existing = as_recipes(recipes), OnExisting.of(force=force, resume=resume)
     if together := joining(formats):
         return export_joined(recipes, Path(folder), together, on_existing, progress, sync=sync)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)

@@ -18,7 +18,7 @@ from math import fsum, prod
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
+from rsegen.errors import OutputError, ParameterError, UnknownName, UserError, refuse_other
 from rsegen.formats.base import FORMATS, Format, exported, recorded_options, refuse_unready
 from rsegen.formats.encoded import as_json
 from rsegen.formats.sidecar import FORMATS_FILE, FormatFiles, listed_formats
@@ -86,6 +86,7 @@ def export_one(
     chosen = _format(path, format, options)
     # All that can refuse comes before the map is composed, which may take minutes.
     refuse_unready([chosen])
+    refuse_other("map", map, Recipe, Scene)
     recipe = map.recipe if isinstance(map, Scene) else map
     refuse_too_large(recipe, things=[chosen])
     scene = map if isinstance(map, Scene) else compose(map, index)

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.errors import refuse_other
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.geometry.mesh import LabelGrid, label_grid
 from rsegen.geometry.rectangles import merge
@@ -38,6 +39,10 @@ class Boxes:
 
     low: Array
     high: Array
+
+    def __post_init__(self) -> None:
+        for array in (self.low, self.high):
+            array.setflags(write=False)
 
     def __len__(self) -> int:
         return len(self.low)
@@ -77,6 +82,7 @@ def boxes(field: StepField) -> Boxes:
     Boxes
         The boxes, metres.
     """
+    refuse_other("field", field, StepField)
     grid = label_grid(field)
     tops = merge(grid.cells // grid.materials)
     from_ground = np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from rsegen.errors import UnknownName
+from rsegen.errors import UnknownName, refuse_other
 from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry.exposed_faces import surface, unmerged
 from rsegen.geometry.mesh import Mesh, split_window
@@ -49,6 +49,7 @@ def mesh(field: StepField, kind: str = "merged") -> Mesh:
     UnknownName
         If there is no such kind.
     """
+    refuse_other("field", field, StepField)
     if kind not in MESHES:
         raise UnknownName.among("mesh", "mesh", kind, MESHES)
     return MESHES[kind](field)

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.errors import ParameterError, TooLarge, shown
+from rsegen.errors import ParameterError, TooLarge, refuse_other, shown
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.learning.arrays import (
     array_like,
@@ -136,6 +136,7 @@ class Ground:
         outside: int = 0,
         priority: int = CONTACT.priority,
     ) -> None:
+        refuse_other("recipe", recipe, Recipe)
         if recipe.boundary != "none":
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames; use none, or Ground.of(scene)")
         self.block_width: float = recipe.block_width_cm / 100

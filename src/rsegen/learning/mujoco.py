@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from rsegen.datasets.difficulty_tiles import as_recipes
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import Column, columns
@@ -25,7 +24,7 @@ from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
 from rsegen.learning.ground import Ground
 from rsegen.learning.terrain import Terrain
 from rsegen.learning.tile import lowered_columns
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe import Recipe, as_recipes
 from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 

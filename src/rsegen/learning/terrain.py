@@ -19,7 +19,6 @@ import numpy as np
 from rsegen.datasets.difficulty_tiles import (
     Span,
     amid,
-    as_recipes,
     check_tile,
     eased,
     kind_of_column,
@@ -38,7 +37,7 @@ from rsegen.measuring.catalogue import RMS, By, metric_by
 from rsegen.obstacles.matrix import Matrix
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.recipe.building import build
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe import Recipe, as_recipes
 from rsegen.scene.contact import CONTACT
 
 _ALIKE = ("unit_cm", "block_width_cm", "level_colours")

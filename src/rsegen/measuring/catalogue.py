@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rsegen.errors import ParameterError, PluginError, UnknownName, shown
+from rsegen.errors import ParameterError, PluginError, UnknownName, refuse_other, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.field.steps import Steps, steps
@@ -83,6 +83,7 @@ def metrics(field: StepField, robot: CrossingModel | None = None) -> Metrics:
     ParameterError
         If the field has only frames, or `robot` is neither.
     """
+    refuse_other("field", field, StepField)
     _refuse_no_crosser(robot)
     if field.frame.all():
         raise ParameterError("field", "has only frame cells; there is no block to measure")

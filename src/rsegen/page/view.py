@@ -11,7 +11,7 @@ from html import escape
 from math import prod
 from pathlib import Path
 
-from rsegen.errors import FileError, TooLarge
+from rsegen.errors import FileError, TooLarge, refuse_other
 from rsegen.field.stepfield import StepField
 from rsegen.page.shown_map import ShownMap, page
 from rsegen.recipe.codec import to_json
@@ -78,6 +78,7 @@ def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
     TooLarge
         If the maps are more than a browser shows.
     """
+    refuse_other("shown", shown, Recipe, Scene, StepField)
     match shown:
         case StepField():
             _refuse_unshowable(shown.shape)

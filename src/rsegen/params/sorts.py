@@ -238,7 +238,7 @@ class Reference(Parameter):
     known: Callable[[], Iterable[str]] | None = None
 
     def check(self, where: str, value: object) -> Any:
-        if value is None or value == "":
+        if value is None or (isinstance(value, str) and not value):
             raise ParameterError(where, f"no value; expected {self.meaning}")
         if not isinstance(value, self.types):
             raise ParameterError(where, f"{shown(value)} is not {self.meaning}")
@@ -259,9 +259,8 @@ class FilePath(Reference):
 
     def check(self, where: str, value: object) -> Path:
         if not isinstance(value, str | os.PathLike) or not str(value):
-            raise ParameterError(
-                where, f"{shown(value) + ' is not a path' if value else 'no value'}; expected {self.meaning}"
-            )
+            given = "no value" if value is None or isinstance(value, str) else f"{shown(value)} is not a path"
+            raise ParameterError(where, f"{given}; expected {self.meaning}")
         return Path(value)
 
 

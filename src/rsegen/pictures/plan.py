@@ -127,7 +127,8 @@ def number_cells(axes: Axes, field: StepField) -> None:
         own.set_ticks(list(middles[::step]), [str(cell) for cell in range(0, len(middles), step)])
         own.set_label_text(f"{name} [cells]")
         metres = axes.secondary_yaxis("right") if axis else axes.secondary_xaxis("top")
-        locator = MaxNLocator(max(2, int(inches / 0.7)), steps=[1, 2, 5, 10])
+        fewest = 2 if inches >= 3 * _APART else 1
+        locator = MaxNLocator(max(fewest, int(inches / 0.7)), steps=[1, 2, 5, 10], min_n_ticks=fewest)
         (metres.yaxis if axis else metres.xaxis).set_major_locator(locator)
         (metres.set_ylabel if axis else metres.set_xlabel)(f"{name} [m]")
 

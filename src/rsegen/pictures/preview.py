@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from rsegen import __version__
-from rsegen.errors import FileError
+from rsegen.errors import FileError, UnknownName, refuse_other
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse, coarseness
 from rsegen.params.numbers import decimal, lengths_in
 from rsegen.pictures.plan import (
@@ -298,6 +298,7 @@ def preview(
     """
     from matplotlib import rc_context
 
+    refuse_other("shown", shown, Scene, StepField)
     scene = shown if isinstance(shown, Scene) else None
     field = shown.field if isinstance(shown, Scene) else shown
     drawn = robot.drawn_at(field, *at) if robot else None
@@ -371,6 +372,8 @@ def encoded(
     """
     from matplotlib import rc_context
 
+    if format not in IMAGE_FORMATS:
+        raise UnknownName.among("format", "format", format, IMAGE_FORMATS)
     if is_stamped:
         wide, high = figure.get_size_inches()
         style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}

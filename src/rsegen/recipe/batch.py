@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.errors import ParameterError, inside, shown
+from rsegen.errors import ParameterError, inside, refuse_other, shown
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles import Grid, Obstacle, Patch
 from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
@@ -68,6 +68,7 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
     TooLarge
         If the array does not fit into memory.
     """
+    refuse_other("recipe", recipe, MapDesign)
     wanted = checked_indices(indices)
     levels = flat_ground(recipe.grid, len(wanted))
     fill(levels, recipe, wanted, _CELLS_AT_ONCE, _CELLS_SCALED_AT_ONCE)

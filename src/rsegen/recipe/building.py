@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import TooLarge, inside
+from rsegen.errors import TooLarge, inside, refuse_other
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.obstacles import Grid, Obstacle, Patch
 from rsegen.params.arrays import cast, namespace, overwrite
@@ -42,6 +42,7 @@ def build(recipe: MapDesign, index: int = 0) -> StepField:
     StepField
         The field.
     """
+    refuse_other("recipe", recipe, MapDesign)
     index = INDEX.check("index", index)
     field = field_of(recipe, _at_difficulty(recipe, index))
     if not recipe.is_constrained:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from rsegen.errors import refuse_other
 from rsegen.field.stepfield import StepField
 from rsegen.obstacles.matrix import Matrix
 from rsegen.recipe.recipe import Recipe
@@ -24,6 +25,7 @@ def recipe_of(field: StepField) -> Recipe:
     Recipe
         The recipe; `build` makes the field of it again.
     """
+    refuse_other("field", field, StepField)
     sides = [int(field.inside(axis).sum()) for axis in (0, 1)]
     chunk_size, boundary = largest_chunk(*sides), "none"
     if field.frame.any():

@@ -10,10 +10,11 @@ what builds levels takes a `MapDesign` only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, refuse_other, shown
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, ListOf, Text, changed, parameters, plain, validate
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.map_design import MapDesign
@@ -171,3 +172,17 @@ class Recipe(Representation, MapDesign, Run):
     def entry(self) -> dict[str, Json]:
         """Return the recipe as a file has it: parameters that differ from their defaults, the seed, the obstacles."""
         return changed(self) | {"obstacles": [obstacle.entry() for obstacle in self.obstacles]}
+
+
+def with_maps(recipe: Recipe, maps: int | None) -> Recipe:
+    """Return a recipe with another number of maps, if one is given."""
+    refuse_other("recipe", recipe, Recipe)
+    return recipe if maps is None else replace(recipe, maps=maps)
+
+
+def as_recipes(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
+    """Return one recipe or several as a tuple; ParameterError if it is neither."""
+    recipes = (given,) if isinstance(given, Recipe) else given
+    if not isinstance(recipes, list | tuple) or not all(isinstance(recipe, Recipe) for recipe in recipes):
+        raise ParameterError("recipes", f"{shown(given)} is not a recipe or a list of recipes")
+    return tuple(recipes)

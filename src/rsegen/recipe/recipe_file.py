@@ -12,7 +12,7 @@ from pathlib import Path
 from rsegen.errors import FileError, ParameterError, UserError, did_you_mean
 from rsegen.input_files import file_type, parser_message, refuse_duplicates, regular_content, text_of
 from rsegen.params.capabilities import hooks
-from rsegen.params.sorts import Json
+from rsegen.params.sorts import FilePath, Json
 from rsegen.recipe.certainty import answered
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.examples import EXAMPLES
@@ -42,7 +42,7 @@ def load(path: str | Path) -> Recipe:
     ParameterError
         If a value in it is wrong.
     """
-    recipe, _ = recipe_and_content(Path(path))
+    recipe, _ = recipe_and_content(FilePath("a file").check("path", path))
     return recipe
 
 

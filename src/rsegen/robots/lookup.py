@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from numpy.typing import ArrayLike
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, refuse_other, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
@@ -120,6 +120,7 @@ def poses(
     ParameterError
         For a place outside the field, a number that is none, or a robot without collision shapes.
     """
+    refuse_other("field", field, StepField)
     return resting.resting_poses(field, robot_of(robot).body, x, y, heading)
 
 
@@ -149,4 +150,5 @@ def stable_poses(
     ParameterError
         For a place outside the field, a number that is none, or a robot without collision shapes.
     """
+    refuse_other("field", field, StepField)
     return stable.stable_poses(field, robot_of(robot).body, x, y, heading)

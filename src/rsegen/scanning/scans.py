@@ -13,9 +13,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rsegen.errors import FileError, ScanError
+from rsegen.errors import FileError, ScanError, refuse_other
 from rsegen.field.stepfield import Array, StepField
 from rsegen.heights.base import Heights, filled, recipe_of_heights
+from rsegen.params.sorts import FilePath
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
@@ -167,6 +168,7 @@ def compare(
 
 
 def _field(shown: Recipe | StepField) -> StepField:
+    refuse_other("wanted", shown, Recipe, StepField)
     return build(shown, shown.first_map) if isinstance(shown, Recipe) else shown
 
 
@@ -175,7 +177,8 @@ def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, s
     settings = options.settings
     if isinstance(clouds, np.ndarray):
         return Cloud(clouds), settings, "scan"
-    paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
+    given = clouds if isinstance(clouds, (list, tuple)) else [clouds]
+    paths = [FilePath("a file with points").check("clouds", path) for path in given]
     if not paths:
         raise FileError("no cloud is given")
     cloud = read_clouds(paths, options.values, options.intrinsics, settings.up, options.topic)

@@ -40,7 +40,7 @@ from rsegen.spawning.map_models import MapModel, known_recipes, map_model, map_o
 from rsegen.spawning.placement import GROUND, RADIUS, Area, SpawnedMap, free_area, model_radius, occupied
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
-from rsegen.writing.target_worlds import Target
+from rsegen.writing.target_worlds import Target, path_of
 from rsegen.writing.targets import recipe_files
 
 
@@ -333,7 +333,7 @@ def _recipes(target: Target) -> list[Recipe]:
         return [target.recipe]
     if isinstance(target, Recipe):
         return [target]
-    return [recipe_in(file) for file in recipe_files(os.fspath(target))]
+    return [recipe_in(file) for file in recipe_files(path_of(target))]
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
@@ -358,7 +358,7 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
     if which is not None or isinstance(target, Scene):
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
-        maps = [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(os.fspath(target))]
+        maps = [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(path_of(target))]
         names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     (recipe,) = _recipes(target)

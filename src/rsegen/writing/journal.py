@@ -30,7 +30,7 @@ from typing import Any
 
 from rsegen.errors import FileError, FilesDamaged, OutputError, system_reason
 from rsegen.input_files import JOURNAL, Checksum, checksum_of, open_regular
-from rsegen.params.sorts import Json
+from rsegen.params.sorts import FilePath, Json
 from rsegen.writing.swap import NotPutBack, put, sync
 
 HIDDEN = ".rsegen"
@@ -462,7 +462,7 @@ def verify(folder: str | Path) -> Verified:
     FileError
         If there is no journal.
     """
-    folder = Path(folder)
+    folder = FilePath().check("folder", folder)
     if not folder.is_dir():
         raise FileError(f"{folder}: there is no such folder")
     with read_errors(folder):

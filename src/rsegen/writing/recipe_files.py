@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from rsegen.errors import refuse_other
+from rsegen.params.sorts import FilePath
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
@@ -29,7 +31,8 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
     OutputError
         If it exists already and is not to be replaced.
     """
-    path = Path(path)
+    refuse_other("recipe", recipe, Recipe)
+    path = FilePath("a file").check("path", path)
     text = to_json(recipe, derived_keys=False) if path.suffix.lower() == ".json" else to_yaml(recipe)
     write_file([text.encode()], path, force=force)
 

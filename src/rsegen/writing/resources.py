@@ -140,7 +140,7 @@ def refuse_full(size: int, folder: Path) -> None:
 def format_bytes(size: float) -> str:
     """Return a number of bytes in the unit in which it is easiest to read: 1.3 MB."""
     if size >= 10**15:
-        return "a million GB or more"
+        return "millions of GB"
     power = min(max(0, math.floor(math.log10(max(size, 1)) / 3)), len(_UNITS) - 1)
     return f"{size / 1000**power:,.{int(power > 0)}f} {_UNITS[power]}"
 

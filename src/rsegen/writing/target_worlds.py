@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from rsegen.errors import FileError
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.gazebo import export
 from rsegen.input_files import unreadable
 from rsegen.recipe.recipe import Recipe
@@ -75,6 +75,13 @@ def write_world(scene: Scene, folder: Path) -> Path:
     return folder / scene.name / f"{scene.name}.world"
 
 
+def path_of(target: object) -> str:
+    """Return the path or name that a target is; a ParameterError if it is neither."""
+    if isinstance(target, str | os.PathLike):
+        return os.fspath(target)
+    raise ParameterError("target", f"{shown(target)} is no recipe or scene, nor the path or name of one")
+
+
 def chosen(target: Target, which: int | str | None) -> tuple[Recipe, Path | None, Scene | None]:
     """Return the recipe of a target's map alone, the folder that it is in, if in any, and its scene, if one was given.
 
@@ -84,14 +91,14 @@ def chosen(target: Target, which: int | str | None) -> tuple[Recipe, Path | None
         return target.alone, None, target
     if isinstance(target, Recipe):
         return target.alone(map_index(target, which)), None, None
-    path = os.fspath(target)
+    path = path_of(target)
     file, recipe, index = chosen_map(path, None if which is None else str(which))
     return recipe.alone(index), file.parent if os.path.isdir(path) else None, None
 
 
 def world_of(target: Target, which: int | str | None = None) -> World:
     """Return the world of a target; `which`: the map's index or name, by default the first."""
-    path = None if isinstance(target, Scene | Recipe) else Path(target)
+    path = None if isinstance(target, Scene | Recipe) else Path(path_of(target))
     if path and not path.is_dir() and path.suffix in (".world", ".sdf"):
         recipe_file = path.with_name("recipe.json")
         return World(file=_existing(path), recipe=load(recipe_file) if recipe_file.is_file() else None)

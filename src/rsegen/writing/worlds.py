@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+from rsegen.errors import refuse_other
 from rsegen.gazebo import export
 from rsegen.gazebo.map_summary import warnings
 from rsegen.recipe.recipe import Recipe
@@ -117,6 +118,7 @@ def plan_worlds(
 
     beside: the names of files that `generate` puts into the folder, next to the maps
     """
+    refuse_other("recipe", recipe, Recipe)
     execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
     refuse_busy(folder)
     existing = existing_maps(recipe, folder, partial(are_complete, sidecars)) if keep else []

@@ -1,0 +1,74 @@
+"""Functions in Python say what they take when they are given another value, such as a field in place of a recipe."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from inspect import Parameter, signature, unwrap
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rsegen
+
+RECIPE = rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=3)])
+VALUES = {
+    "Recipe": RECIPE,
+    "StepField": rsegen.build(RECIPE),
+    "Scene": rsegen.compose(RECIPE),
+    "None": None,
+    "Path": "there-is-none.yaml",
+    "": 3,
+}
+"""Values by the classes in annotations that take them."""
+
+OTHERS = {
+    "x": 0.0,
+    "y": 0.0,
+    "heading": 0.0,
+    "indices": [0],
+    "levels": RECIPE.chunks,
+    "certainty": 0.9,
+    "robot": "burger",
+    "map": RECIPE,
+    "recipe": RECIPE,
+    "stands": RECIPE,
+    "wanted": RECIPE,
+}
+"""Values of the other parameters that a call has to have."""
+
+KNOWN = re.compile(r"\b(Recipe|MapDesign|StepField|Scene|Target)\b|^str \| Path$")
+TAKES = {"MapDesign": ("Recipe",), "Target": ("Recipe", "Scene", "Path"), "str": ("Path",)}
+
+
+def cases() -> Iterator[tuple[str, str]]:
+    for name in rsegen.__all__:
+        function = getattr(rsegen, name)
+        if callable(function) and (name in ("Ground", "Dataset") or not isinstance(function, type)):
+            for parameter in signature(unwrap(function)).parameters.values():
+                if parameter.default is Parameter.empty and KNOWN.search(str(parameter.annotation)):
+                    yield name, parameter.name
+
+
+@pytest.mark.parametrize(("name", "parameter"), list(cases()))
+def test_another_value_is_refused_in_one_line(
+    name: str, parameter: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    function: Any = getattr(rsegen, name)
+    arguments = signature(unwrap(function)).parameters
+    annotation = str(arguments[parameter].annotation)
+    words = re.findall(r"\w+", annotation)
+    taken = {kind for word in words for kind in TAKES.get(word, (word,))}
+    required = [each for each in arguments.values() if each.default is Parameter.empty and each.kind < 4]
+    call = {each.name: OTHERS.get(each.name, "out") for each in required if each.kind != Parameter.VAR_POSITIONAL}
+    if name == "export_maps":
+        call["formats"] = [rsegen.FORMATS["stl"]()]
+    for kind, value in VALUES.items():
+        if kind in taken:
+            continue
+        with pytest.raises(rsegen.UserError) as refusal:
+            function(**{**call, parameter: value})
+        assert "\n" not in str(refusal.value)
+    assert not list(tmp_path.iterdir())
