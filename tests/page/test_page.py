@@ -222,6 +222,30 @@ def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(p
         until(lambda: not page.problem("Height step (unit)"))
 
 
+def test_nothing_is_saved_while_a_number_cannot_be_read(page: Page, folder: Path) -> None:
+    page.js("return state.save('typed.yaml')")
+    before = (folder / "typed.yaml").read_bytes()
+    page.type("Height step (unit)", "7,5,5")
+    page.field("Number of maps").send_keys(Keys.CONTROL, "a", Keys.NULL, "3", Keys.CONTROL, "s", Keys.NULL)
+    until(lambda: page.js("return state.problem.value?.where === 'Height step (unit)'"))
+    assert page.settled()["unsaved"]
+    assert (folder / "typed.yaml").read_bytes() == before
+    page.type("Height step (unit)", "7,5")
+    press(page, Keys.CONTROL, "s", Keys.NULL)
+    until(lambda: not page.state()["unsaved"])
+    assert "unit_cm: 7.5" in (folder / "typed.yaml").read_text()
+
+
+def test_the_robot_panel_has_the_units_of_the_recipe(page: Page) -> None:
+    page.js("state.tab.value = 'robot'; return state.chooseRobot('burger')")
+    for units, clearance in (("cm", "clearance1.0 cm"), ("in", "clearance0.39 in")):
+        page.js("return state.edit({ do: 'set', name: 'units', value: arguments[0] })", units)
+        page.settled()
+        page.js("state.settle(0, 0)")
+        facts = "return document.querySelector('.facts')?.textContent ?? ''"
+        until(lambda: clearance in page.js(facts))  # noqa: B023
+
+
 def test_a_value_out_of_its_range_is_said_at_its_field_and_kept(page: Page) -> None:
     page.choose("Add", "Peak")
     page.type("Softness", "130")

@@ -6,14 +6,15 @@ import { Button, Labelled, Segmented, Select, Slider } from "./controls";
 import { reasonsOf, scaleOf } from "./overlay";
 import type { DrawnWay, PoseMap } from "./protocol";
 import {
-  chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showCrossing, showReach, showTilt, stopSearch, tool, way, wayStart,
+  chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showCrossing, showReach, showTilt, state, stopSearch, tool, way, wayStart,
 } from "./state";
 
 /* By what the best way is chosen. */
 export const best = signal<"length" | "tilt" | "margin">("length");
 
 const degrees = (angle: number) => Number(((angle * 180) / Math.PI).toFixed(1));
-const centimetres = (length: number | null) => (length === null ? "–" : `${(100 * length).toFixed(1)} cm`);
+const size = (length: number | null) =>
+  length === null ? "–" : state.value?.values.units === "in" ? `${(length / 0.0254).toFixed(2)} in` : `${(100 * length).toFixed(1)} cm`;
 const place = ([x, y]: [number, number]) => `${x.toFixed(2)}, ${y.toFixed(2)} m`;
 
 const times = (way: DrawnWay, what: string) => String(way.events.filter(({ text }) => text === what).length);
@@ -85,8 +86,8 @@ export function RobotPanel() {
             <p class="note">{reach.value.text}</p></>}
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
-            {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin before it tips over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
-              ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["stable poses here", String(stands.stable)]]} />}
+            {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin before it tips over", `${degrees(stands.margin)}°`], ["clearance", size(stands.clearance)],
+              ["height", size(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["stable poses here", String(stands.stable)]]} />}
             {stands.stands && <Button icon="play" title="Spawn it in a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Spawn in Gazebo …</Button>}
           </div>}
           <h3>Best way</h3>

@@ -6,7 +6,7 @@ import { Form } from "./fields";
 import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData } from "./protocol";
 import { call, fileOf, Failed, manual } from "./server";
-import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state, unreadIn } from "./state";
 import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
 
@@ -53,15 +53,6 @@ function usual(command: DescribedCommand, upload?: string, target?: string): { v
 }
 
 const isEmpty = (value: Json | undefined) => value === undefined || value === null || value === "" || (Array.isArray(value) && !value.length);
-
-/* The first field whose text cannot be read, as what a run fails with: the value that stands for it is an earlier one. */
-function unreadIn(part: ParentNode): Failed["failure"] | null {
-  const input = part.querySelector<HTMLInputElement>("input:invalid");
-  if (!input) return null;
-  input.closest("details")?.setAttribute("open", "");
-  input.focus();
-  return { where: input.closest<HTMLElement>("[data-field]")?.dataset.field ?? "", text: input.validationMessage };
-}
 
 export function Run({ name, upload, target = "" }: { name: string; upload?: string; target?: string }) {
   const command = hello.value?.commands.find((each) => each.name === name);

@@ -330,8 +330,19 @@ export function changeEntry(row: number, name: string, value: Json | undefined, 
 
 /* ---- files */
 
+/* The first field whose text cannot be read, as what a run, or saving, fails with: the value that stands for it is an earlier one. */
+export function unreadIn(part: ParentNode): Failure | null {
+  const input = part.querySelector<HTMLInputElement>("input:invalid");
+  if (!input) return null;
+  input.closest("details")?.setAttribute("open", "");
+  input.focus();
+  return { where: input.closest<HTMLElement>("[data-field]")?.dataset.field ?? "", text: input.validationMessage };
+}
+
 export async function save(path?: string, replace = false): Promise<boolean> {
   await sends;
+  const unread = unreadIn(document);
+  if (unread) return (problem.value = unread), false;
   if (!path && !state.value?.path) return (dialog.value = { name: "save" }), false;
   const next = await attempt(() => ask("save", { ...(path && { path }), ...(replace && { replace }) }));
   if (!next) return false;
