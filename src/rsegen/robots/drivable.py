@@ -81,7 +81,7 @@ def _free_wheels(model: Element, drive: Drive | None) -> None:
 
 
 HELD = "held as its model has them, as nothing drives them"
-"""Why the joints that `hold_and_turn` returns are held."""
+"""The reason why joints are held in a drive."""
 
 
 def hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
