@@ -115,7 +115,7 @@ class ManyWorlds:
         v, w = np.broadcast_to(v, self.worlds), np.broadcast_to(w, self.worlds)
         drive = self.robot.drive
         if self._base >= 0 and isinstance(drive, Tracks):
-            left, right, centre = drive.classic_turn(v, w)
+            left, right, centre = np.array([*map(drive.classic_turn, v.tolist(), w.tolist())]).T
             self.centre.assign(centre.astype(np.float32))
         else:
             left, right = self.sides(v, w)

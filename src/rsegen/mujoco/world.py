@@ -127,7 +127,7 @@ class MujocoWorld(EmbeddedWorld):
         number = self._numbers[name]
         drive = robot.drive
         if self.shapes.are_boxes and isinstance(drive, Tracks):
-            self.belts.command(self.shapes, number, *map(float, drive.classic_turn(v, w)))
+            self.belts.command(self.shapes, number, *drive.classic_turn(v, w))
             return
         left, right = drive.sides(v, w, self.gains[number])
         if isinstance(drive, Wheels):

@@ -26,7 +26,6 @@ from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
 from rsegen.errors import PluginError
-from rsegen.params.sorts import FilePath
 
 PREFIX = "rsegen_plugin_"
 """Prefix of the name of a module that was loaded from a file, before the file's own name."""
@@ -149,6 +148,8 @@ def load_plugin(module: str | Path) -> ModuleType:
     PluginError
         If it cannot be loaded.
     """
+    from rsegen.params.sorts import FilePath  # what `--help` loads does without it
+
     FilePath("a Python file, or the name of a module").check("module", module)
     text = str(module)
     is_file = isinstance(module, Path) or text.endswith(".py") or os.sep in text

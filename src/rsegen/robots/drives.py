@@ -11,10 +11,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, inf, sin
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from rsegen.gazebo.sdf import numbers, system_name
 
@@ -227,19 +225,20 @@ class Tracks(Drive):
         """Return the command as a Twist."""
         return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, self._classic_rate(v, w)), "classic")
 
-    def classic_turn(self, v: Any, w: Any) -> tuple[Any, Any, Any]:
-        """Return what Classic's plug-in makes of its command, for numbers or arrays.
+    def classic_turn(self, v: float, w: float) -> tuple[float, float, float]:
+        """Return what Classic's plug-in makes of its command.
 
         They are the speeds of the left and the right belt, m/s, and the metres from the body to the left at which the
         plug-in has the centre of the turn, inf for none: on the far side of where the robot turns.
         """
         rate = self._classic_rate(v, w)
-        is_turn, is_in_place = np.abs(rate) >= _TURNING, np.abs(v) < _MOVING
-        centre = np.where(is_in_place, 0.0, -v / np.where(is_turn, rate, 1.0))
-        return *self.sides(v, rate, 1 / self.efficiency), np.where(is_turn, centre, np.inf)
+        left, right = self.sides(v, rate, 1 / self.efficiency)
+        if abs(rate) < _TURNING:
+            return left, right, inf
+        return left, right, 0.0 if abs(v) < _MOVING else -v / rate
 
-    def _classic_rate(self, v: Any, w: Any) -> Any:
-        return w * np.where(np.abs(v) < _MOVING, self.in_place, 1.0)
+    def _classic_rate(self, v: float, w: float) -> float:
+        return w * self.in_place if abs(v) < _MOVING else w
 
 
 def _limits(kind: str, most: float, of: str = "velocity") -> str:
