@@ -124,8 +124,11 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
         f"obstacles: [{{kind: matrix, levels: 2, rows: [&r '{'1 ' * 10_000}'{', *r' * 10_000}]}}]\n",
         ["the aliases up to 'r' stand for more than 4 MiB"],
     ),
-    "a number to the base of 60": (f"seed: 1{':1' * 200_000}\n", ["not YAML: a number of more than 4300 digits"]),
-    "a fraction to the base of 60": (f"unit_cm: 1{':1' * 200_000}.5\n", ["a number of more than 4300 digits"]),
+    "a number to the base of 60": (f"seed: 1{':1' * 200_000}\n", ["seed: '1:1", "is not a whole number"]),
+    "a time of day": ("unit_cm: 1:30\n", ["unit_cm: '1:30' is not a number"]),
+    "a number in base 8": ("seed: 010\n", [":1: '010' is a number in base 8 in YAML 1.1", "without the 0 in front"]),
+    "too many digits in base 8": (f"seed: 0{'7' * 9000}\n", ["is a number in base 8 in YAML 1.1"]),
+    "a fraction to the base of 60": (f"unit_cm: 1{':1' * 200_000}.5\n", ["unit_cm: '1:1", "is not a number"]),
     "more weights than levels": (
         f"obstacles: [{{kind: random, levels: 2, weights: [{'1,' * 40_000}]}}]\n",
         ["obstacles[0].weights: 40,000 values; at most 32,767 are allowed"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,6 @@ import yaml
 
 from rsegen.errors import FileError, shown
 from rsegen.input_files import refuse_duplicates
-
-_MOST_DIGITS = 4300
-"""Digits of a number in base 60 (1:30:00) at most, as in Python in base 10: the work grows with their square."""
 
 _DEEPEST = 100
 """Lists and mappings in each other: PyYAML's work grows with the square of them; a recipe has five."""
@@ -27,7 +25,7 @@ The limit is what the largest file can say without aliases, so that they cannot 
 class Loader(yaml.SafeLoader):
     """Refuses duplicate keys, merge keys and aliases that stand for very much, which all can grow without end.
 
-    last_counts: of a duplicate key the last value counts, as in ROS's files of parameters
+    last_counts: of a duplicate key the last value counts, as in ROS's files of parameters, which may have any numbers
     """
 
     def __init__(self, text: str, path: Path, *, last_counts: bool = False) -> None:
@@ -68,10 +66,13 @@ class Loader(yaml.SafeLoader):
             raise FileError(f"{self._at(key)}: merge keys ('<<') are not supported; write the keys out")
 
     def construct_number(self, node: Any) -> Any:
-        """Construct a number, of a bounded length if its base is 60."""
-        text = getattr(node, "value", "")
-        if ":" in text and len(text) > _MOST_DIGITS:
-            raise FileError(f"{self._at(node)}: not YAML: a number of more than {_MOST_DIGITS} digits")
+        """Construct a number; what only YAML 1.1 has in base 60 (1:30) stays text, and in base 8 (010) is refused."""
+        text = str(node.value)
+        if ":" in text:
+            return text
+        if not self._last_counts and _OCTAL.fullmatch(text):
+            problem = f"{shown(text)} is a number in base 8 in YAML 1.1, and in base 10 in YAML 1.2"
+            raise FileError(f"{self._at(node)}: {problem}; write it without the 0 in front")
         return _NUMBERS[node.tag](self, node)
 
     def _count_alias(self, event: Any) -> None:
@@ -84,6 +85,8 @@ class Loader(yaml.SafeLoader):
     def _at(self, marked: Any) -> str:
         return f"{self._path}:{marked.start_mark.line + 1}"
 
+
+_OCTAL = re.compile("[-+]?0[0-7]*[1-7][0-7]*")
 
 _NUMBERS = {tag: Loader.yaml_constructors[tag] for tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")}
 for _tag in _NUMBERS:
