@@ -126,6 +126,7 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     ),
     "a number to the base of 60": (f"seed: 1{':1' * 200_000}\n", ["seed: '1:1", "is not a whole number"]),
     "a time of day": ("unit_cm: 1:30\n", ["unit_cm: '1:30' is not a number"]),
+    "a mapping with the tag of a number": ("name: !!int {a: 1}\n", ["not YAML: expected a scalar node"]),
     "a number in base 8": ("seed: 010\n", [":1: '010' is a number in base 8 in YAML 1.1", "without the 0 in front"]),
     "too many digits in base 8": (f"seed: 0{'7' * 9000}\n", ["is a number in base 8 in YAML 1.1"]),
     "a fraction to the base of 60": (f"unit_cm: 1{':1' * 200_000}.5\n", ["unit_cm: '1:1", "is not a number"]),

@@ -76,9 +76,12 @@ class BeltTurn:
         return (x / length, y / length, z / length) if length else axis
 
 
-def belt_direction(normal: Vector, axis: Vector, arm: Vector, speed: float) -> tuple[Vector, float, float]:
-    """Return along what a belt of Gazebo Classic pulls, the share of its friction that it has there, and its speed."""
-    along, (x, y, z) = _cross(normal, axis), _cross(normal, arm)
+def belt_direction(normal: Vector, along: Vector, arm: Vector, speed: float) -> tuple[Vector, float, float]:
+    """Return along what a belt of Gazebo Classic pulls, the share of its friction that it has there, and its speed.
+
+    along: n x a, in which it runs
+    """
+    x, y, z = _cross(normal, arm)
     left = max(sqrt(x * x + y * y + z * z), LEAST_LEFT)
     x, y, z = x / left, y / left, z / left
     return (x, y, z), left, speed * (along[0] * x + along[1] * y + along[2] * z)
@@ -190,7 +193,7 @@ class Shapes:
             surface = speed[own]
             if own in self._turns:
                 arm = self._turns[own].arm(points[at], data.xpos, axes[number])
-                (x, y, z), length, surface = belt_direction((nx, ny, nz), axes[number], arm, surface)
+                (x, y, z), length, surface = belt_direction((nx, ny, nz), (x, y, z), arm, surface)
                 mu_axis, mu_other, length = mu_axis * length, mu_other * length, 1.0
             elif length <= SIDE:
                 (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0

@@ -3,11 +3,7 @@
     map_model -> MjModel, MjData -> step: wheels' speeds, belts' surfaces, contacts turned -> poses, contacts, record
 
 Wheels turn by motors between them and the chassis, which reach their speed within a few steps, as far as torque and
-acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel` of contacts), and
-its pull on the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts
-know only directions of the world; so between finding contacts and solving for forces, those of a belt are turned.
-
-A contact that slides presses as one that does not, by Coulomb's friction in place of MuJoCo's convex one (`slide`).
+acceleration allow. How belts run, and how contacts hold and slide, is in `rsegen.mujoco.contacts`.
 
 Cost: 40 to 50 microseconds a step and robot, of which a third turns contacts of belts; with 50,000 boxes of a map three
 times as much. The same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends

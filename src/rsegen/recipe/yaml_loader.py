@@ -67,7 +67,7 @@ class Loader(yaml.SafeLoader):
 
     def construct_number(self, node: Any) -> Any:
         """Construct a number; what only YAML 1.1 has in base 60 (1:30) stays text, and in base 8 (010) is refused."""
-        text = str(node.value)
+        text = node.value if isinstance(node, yaml.ScalarNode) else ""  # a tag may be on anything
         if ":" in text:
             return text
         if not self._last_counts and _OCTAL.fullmatch(text):
