@@ -127,6 +127,21 @@ def test_a_pose_does_not_depend_on_the_poses_that_are_found_with_it(kind: str) -
         assert (alone.z[0], *alone.slope[0]) == pytest.approx((together.z[k], *together.slope[k]), abs=1e-9)
 
 
+@pytest.mark.parametrize("exchanges", [2, 3, 6])
+def test_robots_whose_contacts_are_not_found_in_time_have_poses_too(
+    exchanges: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    body, rng = BODIES["crawler"], np.random.default_rng(7)
+    ground = PaddedGround.of(field_of(rng.integers(0, 5, (30, 30)), UNITS["crawler"]), outer_radius(body))
+    places = [rng.uniform(-most, most, 400) for most in (1.4, 1.4, pi)]
+    found = settle(ground, body, *places)
+    monkeypatch.setattr("rsegen.standing.settling._EXCHANGES", exchanges)
+    rest = settle(ground, body, *places)
+    assert (rest.z != found.z).any(), "some took more exchanges"
+    assert np.isfinite(rest.z).all()
+    assert np.isfinite(rest.slope).all()
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_robot_is_below_the_ground_by_no_more_than_the_turn_that_it_would_still_make(kind: str) -> None:
     body, rng = BODIES[kind], np.random.default_rng(6)

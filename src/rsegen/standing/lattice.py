@@ -318,6 +318,13 @@ class Lattice:
         """Return the robot at rest in every heading at every block, by the blocks; known once its region is."""
         return self._rest.some(self._number_of_rest[~self.field.frame].ravel())
 
+    def straight_lines(self, axis: int) -> Array:
+        """Return the middles of the lines along an axis, metres, on which nothing is known to end a straight way."""
+        fails, ends = (self._is_settled & ~self._stands)[..., 2 * axis], (self._is_driven & ~self.moves)[..., 2 * axis]
+        onward = np.arange(self.field.shape[axis] - 1)  # from the last cell no move leads on
+        ended = fails.any(axis=axis) | ends.take(onward, axis=axis).any(axis=axis)
+        return self.field.middles()[1 - axis][lines_along(self.field, axis) & ~ended]
+
     def _turn_everywhere(self) -> None:
         """Find all turns."""
         places = np.arange(self.turns.size)
@@ -698,7 +705,7 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
-        direct = straight_way(field, body, axis)
+        direct = straight_way(field, body, axis, lattice.straight_lines(axis))
         ways.append(direct or lattice.way(axis) or no_way(straight(field, body, axis), body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = statistics_of(lattice.ground, body, lattice.at_blocks())

@@ -23,7 +23,7 @@ Some thousand robots are turned at once, and those that rest make room for other
 (body.py). At first one of each group is looked at; their three contacts are near enough to tell which groups count.
 Then a look at all samples in turn with rounds of few: with all, the robot rests if none is above the plane of its
 contacts and that plane is level; if not, the groups that are highest above or least below it are the few, until the
-robot is still, or turned so far that others may count. Cost: 35 to 45 microseconds a pose in thousands where a robot
+robot is still, or turned so far that others may count. Cost: 35 to 50 microseconds a pose in thousands where a robot
 mostly stands, three times as much where it mostly tips over, and some 20 milliseconds a call of a hundred, as a few
 take all rounds. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of
 mass on the diagonal; it takes one of them (stable.py finds the others). And a part against the side of a block: it
@@ -44,9 +44,9 @@ from rsegen.errors import TooLarge
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 
-_STILL, _ROUNDS, _LOOKS = 1e-4, 12, 8
-"""The turn at which a robot is still; rounds, and looks at all samples after the first, at most: nine of ten robots
-need six and one."""
+_STILL, _ROUNDS, _LOOKS = 1e-4, 12, 6
+"""The turn at which a robot is still; rounds, and looks at all samples after the first, at most. Robots that lean
+against the side of a block take all of them: with eight looks they cost more, and are found no better."""
 
 _DAMPED, _DAMPED_ROUNDS = 0.7, 8
 """Share of a turn that is made as contacts change, and rounds from whose end on it shrinks by itself in each."""
@@ -340,18 +340,19 @@ class _Settling:
     def look_at_all_samples(self, rows: Ints) -> _Turning:
         """Return the robots that neither rest nor tip over, with the samples of each on which they turn next."""
         samples, count = self.points.shape[1] - 3, min(_NEAR, self.groups)
-        # As a robot is turned its contacts move; where they are no longer around it, they are found anew.
+        # As a robot is turned its contacts move. Where they are no longer around it, they tell no plane, and it goes on
+        # with the samples that are highest as it stands.
         turned, three = self.axes(rows), self.three[:, rows]
         at = np.einsum("ijn,jkn->ikn", turned[:2], self.points[:, three])
-        self.find_contacts(rows[~_surrounds(at)])
+        lost = ~_surrounds(at)
         self.looks[rows] += 1
-        three = self.three[:, rows]
         contacts, index = np.moveaxis(self.points[:, three], 2, 0), np.arange(len(rows))
         under = self.ground.under(self.scaled(turned) @ contacts, self.middle[:, rows])
         under[(three >= samples).T] = _DEEP
         plane = _through(_placed(under, contacts, turned, index, np.tile(np.arange(3)[:, None], len(rows))))
+        plane[:, lost] = 0.0
         of_groups = self.highest_of_groups(rows, turned, plane)
-        turn = np.where(of_groups.max(axis=1) - plane[2] <= _ABOVE, np.hypot(*plane[:2]), np.inf)
+        turn = np.where((of_groups.max(axis=1) - plane[2] <= _ABOVE) & ~lost, np.hypot(*plane[:2]), np.inf)
         self.height[rows], self.turn[rows] = plane[2], turn
         tips = (three >= samples).any(axis=0) | (np.hypot(*self.slope[:, rows]) > _LOST)
         is_open = (self.rounds[rows] < _ROUNDS) & (self.looks[rows] <= _LOOKS)
@@ -480,7 +481,7 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
         corners[:, leaving, rising] = new
         own[leaving, rising] = highest
     else:
-        plane[:, rows], three[:, rows] = through, own
+        plane[:, rows], three[:, rows] = _through(corners), own
     return plane
 
 

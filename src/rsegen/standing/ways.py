@@ -99,12 +99,14 @@ def worst_of(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | N
     }
 
 
-def straight_way(field: StepField, body: Body, axis: int) -> Way | None:
+def straight_way(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Way | None:
     """Return the straight way with the least tilt, if there is one with room to spare; None if no lane is driven.
 
+    middles: of the lanes that may be driven, metres, by default of all
     Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
     """
-    middles, passed, end = across(field, axis), dict[int, Lanes](), 0
+    middles = across(field, axis) if middles is None else middles
+    passed, end = dict[int, Lanes](), 0
     narrow: Way | None = None
     bounds = _least_tilts(field, body, axis, middles)
     order = np.argsort(bounds, kind="stable")[: np.isfinite(bounds).sum()]
@@ -137,7 +139,7 @@ def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Arr
     at: Array = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
-    return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), -1).max(axis=1))
+    return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), len(along)).max(axis=1))
 
 
 def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: float) -> Way:
