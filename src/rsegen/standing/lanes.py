@@ -204,7 +204,7 @@ class _Driving:
         follows: bool,
     ) -> None:
         self.ground, self.body, self.start, self.reaction, self.follows = ground, body, start, reaction, follows
-        self.count = np.array([steps_on(body, along) + 1 for along in length.tolist()], np.int64)
+        self.count = np.maximum(np.rint(length / step_of(body)), 1).astype(np.int64) + 1
         self.step = length / (self.count - 1)
         shape = len(length), int(self.count.max(initial=1))
         self.place, self.seen = np.full(shape, -1), np.zeros(shape[0], np.int64)

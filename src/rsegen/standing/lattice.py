@@ -144,7 +144,8 @@ class Lattice:
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
         self._lanes_at_ends: dict[int, tuple[Array, Array, Array, Mask, Array]] = {}
-        self._driven_on: dict[tuple[float, float, float], float] = {}  # metres that are surely driven from a place
+        # Metres that are driven from x, y in a heading so far aside, and whether the robot falls there.
+        self._driven_on: dict[tuple[float, float, float, float], tuple[float, bool]] = {}
         nowhere = np.empty(0)
         self._rest, self._number_of_rest = settle(self.ground, body, nowhere, nowhere, nowhere), np.full(shape, -1)
 
@@ -338,82 +339,71 @@ class Lattice:
         checked: whether its straight pieces are driven as a whole too, and the lanes next to them
         """
         starts, goals = self._ends(axis)
-        if not starts or not goals:
-            return None
-        last = self.field.shape[axis] - 1
+        left = self.field.block_width * (self.field.shape[axis] - 1 - np.indices(self.field.shape)[axis])
         for _ in range(_CHECKED):
-            best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
+            best = self._best(starts, goals, left)
             if best is None:
                 return None
-            line, heading = self._line(axis, best[1])
-            ending = self._ending(line, heading) if checked else None
-            if ending is None:
-                pieces = _straight_pieces(line, heading)
-                lanes = self._followed(line, heading, pieces)
-                if lanes.passed.all() or not checked:
-                    return self._way_of(axis, best[1], lanes)
-                # Few ways that are driven pose by pose are not as each pose follows from the one before.
-                number = int(lanes.passed.argmin())
-                ending = _number_at(line, pieces[number], float(lanes.last[number] / lanes.count[number]))
+            places = best[1]
+            driven = self._driven_pieces(*self._line(axis, places), checked=checked)
+            if isinstance(driven, Lanes):
+                return self._way_of(axis, places, driven)
             # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
-            if ending == 0:
-                del starts[best[1][0]]
-            elif ending == len(best[1]):
-                del goals[best[1][-1]]
-            else:
-                self.moves[best[1][ending - 1]] = False
+            for ending in driven:
+                if ending == 0:
+                    del starts[places[0]]
+                elif ending == len(places):
+                    del goals[places[-1]]
+                else:
+                    self.moves[places[ending - 1]] = False
         return None
 
-    def _ending(self, line: Array, heading: Ints) -> int | None:
-        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or next to them.
+    def _driven_pieces(self, line: Array, heading: Ints, *, checked: bool) -> Lanes | list[int]:
+        """Return the lanes of the straight pieces of a way, or on which lanes from place to place it ends.
 
-        0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
+        0 is the lane that leads to its first place, m that from place m - 1 on. First all pieces are driven: the next
+        way mostly has those behind an ending too. Then again as each pose follows from the one before, on which few end
+        that were driven before.
+        checked: whether it may end at all
         """
-        pieces, begin, count = _straight_pieces(line, heading), 0, 1
-        while begin < len(pieces):
-            some = pieces[begin : begin + count]
-            begins, ends = some.T
-            length = np.hypot(*(line[ends] - line[begins]).T)
-            shares = self._surely_driven(line[begins], heading[begins] * np.pi / 4, length)
-            for piece, share in zip(some, shares.tolist(), strict=True):
-                if share < 1:
-                    return _number_at(line, piece, share)
-            # Most ways end on their first pieces; the others are driven in few calls.
-            begin, count = begin + count, 2 * count
-        return None
-
-    def _followed(self, line: Array, heading: Ints, pieces: Ints) -> Lanes:
-        """Return the lanes of the straight pieces of a way, on which each pose follows from the one before."""
+        pieces = _straight_pieces(line, heading)
         begins, ends = pieces.T
-        x, y = line[begins].T
+        (x, y), yaw = line[begins].T, heading[begins] * np.pi / 4
         length = np.hypot(*(line[ends] - line[begins]).T)
-        return drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, length, follows=True)
+        shares = self._surely_driven(line[begins], yaw, length) if checked else np.ones(len(pieces))
+        if (shares == 1).all():
+            lanes = drive_lanes(self.ground, self.body, x, y, yaw, length, follows=True)
+            if lanes.passed.all() or not checked:
+                return lanes
+            shares = np.where(lanes.passed, 1.0, lanes.last / lanes.count)
+        return [_number_at(line, pieces[k], float(shares[k])) for k in np.flatnonzero(shares < 1)]
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
         """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
 
-        Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
+        Where a piece itself ends, nothing next to pieces is driven. Ways that are tried one after the other are mostly
+        the same: what is known to be driven is not driven again.
         begins: (n, 2)
         """
-        at = [tuple(place) for place in np.column_stack([begins, yaw]).tolist()]
-        shares = np.ones(len(at))
-        asked = np.flatnonzero(length > [self._driven_on.get(place, 0.0) for place in at])
-        for room in (BESIDE, FALL_ROOM):
-            if not len(asked):
-                break
-            beside = np.array([0.0, -room, room])
+        shares, drops = np.ones(len(length)), np.zeros(len(length), bool)
+        for aside in ((0.0,), (-BESIDE, BESIDE), (-FALL_ROOM, FALL_ROOM)):
+            places = [(x, y, turn, aside[0]) for x, y, turn in np.column_stack([begins, yaw]).tolist()]
+            known = np.array([self._driven_on.get(place, (0.0, False)) for place in places])
+            asked = np.flatnonzero((length > known[:, 0]) & (drops | (aside[-1] < FALL_ROOM)))
             x, y = (
-                (begins[asked, axis, None] + side[asked, None] * beside).ravel()
+                (begins[asked, axis, None] + side[asked, None] * aside).ravel()
                 for axis, side in enumerate((-np.sin(yaw), np.cos(yaw)))
             )
-            turned, long = (np.repeat(values[asked], 3) for values in (yaw, length))
+            turned, long = (np.repeat(values[asked], len(aside)) for values in (yaw, length))
             lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
-            driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, 3).min(axis=1)
-            shares[asked] = driven
-            falls = lanes.drops.any(axis=1).reshape(-1, 3).any(axis=1) & (room < FALL_ROOM)
-            for number, share in zip(asked[~falls].tolist(), driven[~falls].tolist(), strict=True):
-                self._driven_on[at[number]] = share * length[number]
-            asked = asked[falls & (driven == 1)]
+            driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, len(aside)).min(axis=1)
+            falls = np.asarray(lanes.drops.any(axis=1).reshape(-1, len(aside)).any(axis=1))
+            for number, share, fall in zip(asked.tolist(), driven.tolist(), falls.tolist(), strict=True):
+                self._driven_on[places[number]] = share * length[number], fall
+            shares[asked], drops[asked] = driven, falls
+            drops |= known[:, 1] > 0
+            if (shares < 1).any():
+                break
         return shares
 
     def _line(self, axis: int, places: Sequence[_Place]) -> tuple[Array, Ints]:
@@ -449,17 +439,17 @@ class Lattice:
         worst = self._worst_value(rest)
         return {(i, j, k): float(worst[k]) for k in np.flatnonzero(has_stood(rest)).tolist()}
 
-    def _distance_to(self, goal: tuple[int, int]) -> Callable[[_Place], float]:
-        """Return the distance of places from a cell, metres, which no way to it is shorter than."""
-        i, j = goal
-        return lambda place: self.field.block_width * float(np.hypot(place[0] - i, place[1] - j))
+    def _distance_to(self, goal: tuple[int, int]) -> Array:
+        """Return the distance of all cells from one, metres, which no way to it is shorter than."""
+        i, j = np.indices(self.field.shape)
+        return np.asarray(self.field.block_width * np.hypot(i - goal[0], j - goal[1]))
 
     def _best(
-        self, starts: Mapping[_Place, float], goals: Mapping[_Place, float], left: Callable[[_Place], float]
+        self, starts: Mapping[_Place, float], goals: Mapping[_Place, float], left: Array
     ) -> tuple[float, list[_Place]] | None:
         """Return the cost of the best way from a start to a goal, and its places; None if there is none.
 
-        left: a length from a place that no way to a goal is shorter than
+        left: (n_x, n_y), a length from a cell that no way to a goal is shorter than
         """
         if self.best == "safe":
             start = dict.fromkeys(starts, 0.0)
@@ -470,7 +460,7 @@ class Lattice:
             return self._cheapest(start, goals, risked, left)
         limit = np.inf
         if self.best != "length":
-            least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst))
+            least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst), np.zeros(self.field.shape))
             if least is None:
                 return None
             limit = least[0] + 1e-9
@@ -486,7 +476,7 @@ class Lattice:
         starts: Mapping[_Place, float],
         goals: Mapping[_Place, float],
         cost_of: Callable[..., float],
-        left: Callable[[_Place], float] = lambda _: 0.0,
+        left: Array,
     ) -> tuple[float, list[_Place]] | None:
         """Return the least cost from a start to a goal, which have costs too, and the places between.
 
@@ -494,14 +484,15 @@ class Lattice:
         ends. What is not known of the best way then is found, until nothing is: no other way is better than that one
         (LazySP, Dellin and Srinivasa 2016). On rough ground that takes two to twenty ways.
         cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
-        left: a cost from a place that no way to a goal is below, and which falls by no more than a move costs
+        left: (n_x, n_y), a cost from a cell that no way to a goal is below; it falls by no more than a move costs
         """
+        of_place = np.repeat(left.ravel(), HEADINGS).tolist()
         begins, ends = (
             {int(np.ravel_multi_index(place, self.moves.shape)): value for place, value in values.items()}
             for values in (starts, goals)
         )
         while True:
-            found = cheapest(begins, ends, self._hopes(), cost_of, lambda at: left(self._place(at)))
+            found = cheapest(begins, ends, self._hopes(), cost_of, of_place)
             if found is None:
                 return None
             cost, way = found

@@ -6,7 +6,7 @@ and of each move out of it, in Python: some microseconds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -20,17 +20,17 @@ def cheapest(
     goals: Mapping[int, float],
     onward: Callable[[int], Iterable[tuple[int, float, float]]],
     cost_of: Callable[[float, float, float], float],
-    left: Callable[[int], float],
+    left: Sequence[float],
 ) -> tuple[float, list[int]] | None:
     """Return the least cost from a start to a goal, and the places between; None if no goal is reached.
 
     starts: the costs there; goals: the worst there; places are numbers from 0 on
     onward: places to which a place leads, the length of each move, and the worst on it
     cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
-    left: a cost from a place that no way to a goal is below, and which falls by no more than a move costs
+    left: of each place a cost that no way to a goal is below, and which falls by no more than a move costs
     """
     costs, before = dict(starts), dict[int, int]()
-    front = [(cost + left(at), 0.0, at) for at, cost in costs.items()]  # of equal ones the nearest goes on
+    front = [(cost + left[at], 0.0, at) for at, cost in costs.items()]  # of equal ones the nearest goes on
     heapify(front)
     done, arrived = set[int](), np.inf
     while front:
@@ -47,7 +47,7 @@ def cheapest(
             after = cost_of(costs[at], length, worst)
             if after < costs.get(on, np.inf) - 1e-9:
                 costs[on], before[on] = after, at
-                heappush(front, (after + left(on), run + length, on))
+                heappush(front, (after + left[on], run + length, on))
     return None
 
 
