@@ -36,7 +36,8 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     """Return the verdicts on a robot, and the CPU seconds of `reach`."""
     import rsegen
     from rsegen.recipe.examples import EXAMPLES
-    from rsegen.standing.lattice import Lattice, reach
+    from rsegen.standing.lattice import Lattice
+    from rsegen.standing.reach import reach
 
     if unit:
         recipe = rsegen.Recipe(seed=seed, unit_cm=unit, boundary="none", obstacles=[rsegen.NormalRandom(levels=5)])
@@ -48,14 +49,14 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     seconds = time.process_time() - began
     lattice = Lattice(field, body)
     every = np.arange(lattice.moves.size if unit else 0)  # of the course it would take as long again
-    lattice._drive_from(every)
-    lattice._turn_at(every)
+    lattice.drive_from(every)
+    lattice.turn_at(every)
     ways = [way.length if way.crosses else np.inf for way in (found.west_east, found.south_north)]
     lines = [np.round(way.points, 6).ravel() for way in (found.west_east, found.south_north)]
     return {
         "seconds": seconds,
-        "moves": lattice.moves[lattice._is_driven],
-        "turns": lattice.turns[lattice._is_turned],
+        "moves": lattice.moves[lattice.is_driven],
+        "turns": lattice.turns[lattice.is_turned],
         "region": found.region,
         "ways": np.round(np.array(ways, float), 6),
         "line": np.concatenate(lines),

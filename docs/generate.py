@@ -151,6 +151,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/lanes",
         "standing/careful_lanes",
         "standing/lattice",
+        "standing/reach",
+        "standing/planner",
         "standing/spots",
     ),
     "Ground for robots that learn": ("learning/ground", "learning/curriculum"),

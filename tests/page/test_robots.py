@@ -25,7 +25,7 @@ from rsegen.robots import page as robots
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EMBEDDED
-from rsegen.standing import lattice
+from rsegen.standing import reach
 from rsegen.standing.resting import REASONS
 from rsegen.standing.settling import PaddedGround
 
@@ -147,7 +147,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 @pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
-    monkeypatch.setattr(lattice, "_MOVES_AT_ONCE", 60)
+    monkeypatch.setattr(reach, "_MOVES_AT_ONCE", 60)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
     host.opened(doc).add(listener)

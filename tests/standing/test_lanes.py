@@ -23,6 +23,7 @@ from rsegen.standing.lanes import (
     surely_passed,
 )
 from rsegen.standing.lattice import Lattice
+from rsegen.standing.planner import Planner
 from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
 from tests.standing.stands import BODIES, cart, field_of, settled
 
@@ -142,7 +143,7 @@ def test_straight_pieces_of_ways_are_driven_and_the_lanes_3_mm_beside_them() -> 
     driven = bends = 0
     for kind, unit in (("burger", 0.004), ("jackal", 0.035)):
         body, field = BODIES[kind], field_of(np.random.default_rng(4).integers(0, 4, (8, 8)), unit)
-        way, ground = Lattice(field, body).way(0), PaddedGround.of(field, outer_radius(body))
+        way, ground = Planner(Lattice(field, body)).way(0), PaddedGround.of(field, outer_radius(body))
         ends = pieces(way.points) if way else []
         for begin, end in ends:
             yaw = np.arctan2(*(end - begin)[::-1])

@@ -15,9 +15,11 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, StepField
-from rsegen.standing import lattice
+from rsegen.standing import reach as reaching
 from rsegen.standing.lanes import End, straight
-from rsegen.standing.lattice import BEST, Lattice, best_way, reach
+from rsegen.standing.lattice import BEST, Lattice
+from rsegen.standing.planner import Planner, best_way
+from rsegen.standing.reach import reach, region_of
 from rsegen.standing.ways import events, no_way
 from tests.standing.stands import BODIES, field_of
 
@@ -97,7 +99,7 @@ def walled(*, has_gap: bool) -> Ints:
 
 
 def test_a_robot_goes_through_the_gap_of_a_wall_and_nowhere_else() -> None:
-    way = Lattice(field_of(walled(has_gap=True), 0.1), BURGER).way(0)
+    way = Planner(Lattice(field_of(walled(has_gap=True), 0.1), BURGER)).way(0)
     assert way is not None
     assert way.crosses
     at_wall = way.points[np.abs(way.points[:, 0]) < 0.06]
@@ -152,7 +154,7 @@ def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_ma
 def test_no_way_is_better_than_the_best_one() -> None:
     """On a map of which each best way is another one."""
     field = field_of(np.random.default_rng(3).integers(0, 3, (6, 6)), 0.02)
-    by = {best: Lattice(field, BODIES["crawler"], best).way(0) for best in ("length", "tilt", "margin")}
+    by = {best: Planner(Lattice(field, BODIES["crawler"], best)).way(0) for best in ("length", "tilt", "margin")}
     ways = [way for way in by.values() if way]
     assert len(ways) == len({way.points.tobytes() for way in ways}) == 3
     # What a way is best of is asked of its moves, and told of poses on it: a little differs.
@@ -188,8 +190,8 @@ def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_
     field, body = field_of(levels, 0.03), BODIES["jackal"]
     start, goal = (-0.25, -0.2), (0.25, 0.2)
     known = Lattice(field, body, best)
-    known.region()
-    searched, expected = Lattice(field, body, best).between(start, goal), known.between(start, goal)
+    region_of(known)
+    searched, expected = (Planner(lattice).between(start, goal) for lattice in (Lattice(field, body, best), known))
     assert searched is not None
     assert expected is not None
     assert searched.length == pytest.approx(expected.length)
@@ -202,9 +204,9 @@ def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_
 def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: int) -> None:
     field, body = field_of(np.random.default_rng(seed).integers(0, 4, (7, 6)), 0.03), BODIES["jackal"]
     lattice = Lattice(field, body)
-    region = lattice.region()
-    lattice._drive_from(np.arange(lattice.moves.size))
-    lattice._turn_at(np.arange(lattice.moves.size))
+    region = region_of(lattice)
+    lattice.drive_from(np.arange(lattice.moves.size))
+    lattice.turn_at(np.arange(lattice.moves.size))
     places, edges = np.arange(lattice.moves.size).reshape(lattice.moves.shape), dict[tuple[int, int], float]()
     for i, j, k in np.argwhere(lattice.moves).tolist():
         x, y = round(np.cos(k * np.pi / 4)), round(np.sin(k * np.pi / 4))
@@ -219,7 +221,7 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
     ends = [(0, 0), (6, 0), (3, 2), (6, 5), (0, 5)]
     for start, goal in itertools.pairwise(ends):
         there = [(float(lattice.x[i]), float(lattice.y[j])) for i, j in (start, goal)]
-        found = lattice.between(there[0], there[1])
+        found = Planner(lattice).between(there[0], there[1])
         lengths = dijkstra(graph, indices=places[start], min_only=True)[places[goal]]
         assert (found.length if found else np.inf) == pytest.approx(lengths.min())
 
@@ -228,21 +230,21 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
 @pytest.mark.parametrize(("unit", "most"), [(0.02, 0.4), (0.06, 0.7), (0.1, 1.0)])
 def test_a_region_is_that_of_all_moves_but_needs_few_where_a_robot_gets_around(unit: float, most: float) -> None:
     lattice = Lattice(field_of(np.random.default_rng(7).integers(0, 4, (8, 7)), unit), BODIES["crawler"])
-    region, driven = lattice.region(), lattice._is_driven.mean()
-    lattice._drive_from(np.arange(lattice.moves.size))
-    lattice._turn_at(np.arange(lattice.moves.size))
-    assert np.array_equal(lattice.region(), region)
+    region, driven = region_of(lattice), lattice.is_driven.mean()
+    lattice.drive_from(np.arange(lattice.moves.size))
+    lattice.turn_at(np.arange(lattice.moves.size))
+    assert np.array_equal(region_of(lattice), region)
     assert driven < most
 
 
 def test_on_flat_ground_a_way_between_places_is_straight_and_from_a_place_to_itself_none_is_driven() -> None:
-    lattice = Lattice(field_of(np.zeros((8, 5), int)), BURGER)
-    way = lattice.between((-0.35, 0.0), (0.35, 0.0))
+    planner = Planner(Lattice(field_of(np.zeros((8, 5), int)), BURGER))
+    way = planner.between((-0.35, 0.0), (0.35, 0.0))
     assert way is not None
     assert way.length == pytest.approx(0.7)
     assert (way.drops, way.slips) == ((), ())
     assert way.poses.y == pytest.approx(0, abs=1e-6)
-    there = lattice.between((0.04, 0.0), (0.06, 0.01))
+    there = planner.between((0.04, 0.0), (0.06, 0.01))
     assert there is not None
     assert there.length == 0
     assert np.ptp(there.poses.x) == pytest.approx(0, abs=1e-6)
@@ -251,16 +253,16 @@ def test_on_flat_ground_a_way_between_places_is_straight_and_from_a_place_to_its
 def test_no_way_leads_to_where_a_robot_tips_over() -> None:
     levels = np.zeros((8, 5), int)
     levels[6, 2] = 1
-    assert Lattice(field_of(levels, 0.3), BURGER).between((-0.35, 0.0), (0.33, 0.03)) is None
+    assert Planner(Lattice(field_of(levels, 0.3), BURGER)).between((-0.35, 0.0), (0.33, 0.03)) is None
 
 
 @pytest.mark.slow
 def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     field, shares = field_of(np.random.default_rng(2).integers(0, 3, (8, 6)), 0.02), list[float]()
-    whole = Lattice(field, BODIES["crawler"]).region()
-    monkeypatch.setattr(lattice, "_TURNS_AT_ONCE", 40)
-    monkeypatch.setattr(lattice, "_MOVES_AT_ONCE", 40)
-    assert np.array_equal(Lattice(field, BODIES["crawler"], watch=shares.append).region(), whole)
+    whole = region_of(Lattice(field, BODIES["crawler"]))
+    monkeypatch.setattr(reaching, "_TURNS_AT_ONCE", 40)
+    monkeypatch.setattr(reaching, "_MOVES_AT_ONCE", 40)
+    assert np.array_equal(region_of(Lattice(field, BODIES["crawler"], watch=shares.append)), whole)
     assert shares == sorted(set(shares))
     assert shares[-1] == 1
 
@@ -270,6 +272,6 @@ def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pyt
 
     stopped = Lattice(field, BODIES["crawler"], watch=stop)
     with pytest.raises(InterruptedError):
-        stopped.region()
+        region_of(stopped)
     stopped.watch = shares.append
-    assert np.array_equal(stopped.region(), whole), "what was found before the stop still holds"
+    assert np.array_equal(region_of(stopped), whole), "what was found before the stop still holds"

@@ -1,6 +1,6 @@
 """Ways that are driven: planned by poses, tried in the embedded simulator, and planned anew around what held the robot.
 
-    Lattice --way--> drive --held at a place--> close that place --way--> drive --crossed--> spread of drives --> way
+    Planner --way--> drive --held at a place--> close that place --way--> drive --crossed--> spread of drives --> way
 
 Poses find ways in a second, but know neither swing, nor slip, nor what a robot does after it has fallen. So a way is
 driven with the errors of a spread (prediction.py). Once two drives have failed, its moves about the places at which
@@ -35,6 +35,7 @@ from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.standing.lanes import straight
 from rsegen.standing.lattice import BEST, Lattice
+from rsegen.standing.planner import Planner
 from rsegen.standing.ways import Way, no_way
 from rsegen.writing.execute import cores
 
@@ -55,8 +56,8 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
     """
     tried: list[tuple[Prediction, RobotRun]] = []
     failure: SimulatorFailed | None = None
-    lattice = Lattice(scene.field, robot.body, best, partial(report_share, "a way across"))
-    for way in _ways(lattice, scene, robot):
+    planner = Planner(Lattice(scene.field, robot.body, best, partial(report_share, "a way across")))
+    for way in _ways(planner, scene, robot):
         (run,) = runs_along(scene.field, robot, way)
         surest = max((one.probability for one, _ in tried), default=0.0)
         try:
@@ -70,17 +71,17 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
         if found.probability >= SURE:
             break
         for end in found.ends:
-            _close(lattice, way, end)
+            _close(planner, way, end)
     if not tried:
         raise failure or SimulatorFailed("no way could be driven")
     found, run = max(tried, key=lambda one: one[0].probability)
     return predictor.predict(scene, run, found)
 
 
-def _ways(lattice: Lattice, scene: Scene, robot: DrivableRobot) -> Iterator[PlannedWay]:
+def _ways(planner: Planner, scene: Scene, robot: DrivableRobot) -> Iterator[PlannedWay]:
     """Yield ways to try, each planned once it is asked for; without any, the straight lanes that get farthest."""
     field, body, count = scene.field, robot.body, 0
-    while count < _TRIES and (way := lattice.way(0, checked=False)) is not None:  # drives check it
+    while count < _TRIES and (way := planner.way(0, checked=False)) is not None:  # drives check it
         count += 1
         yield followed(field, body, way)
     report_share("a way across", 1)
@@ -90,7 +91,7 @@ def _ways(lattice: Lattice, scene: Scene, robot: DrivableRobot) -> Iterator[Plan
             yield followed(field, body, no_way(lanes, body, int(number)))
 
 
-def _close(lattice: Lattice, way: Way, end: DriveEnd) -> None:
+def _close(planner: Planner, way: Way, end: DriveEnd) -> None:
     """Close the moves of a way about the place at which a robot stayed."""
     begins, ends = way.points[:-1], way.points[1:]
     along = ends - begins
@@ -99,7 +100,7 @@ def _close(lattice: Lattice, way: Way, end: DriveEnd) -> None:
     number = int(np.hypot(*(nearest - (end.x, end.y)).T).argmin())
     heading = round(float(np.arctan2(along[number, 1], along[number, 0])) / (np.pi / 4)) % 8
     x, y = nearest[number].tolist()
-    lattice.close(x, y, heading)
+    planner.close(x, y, heading)
 
 
 def required_simulator(purpose: str) -> EmbeddedSimulator:

@@ -5,7 +5,7 @@ Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a
     w = 2 v sin(a) / d,    a the angle between its heading and that point
 
 (Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is one on which
-the robot's poses are known to be good (standing/lattice.py), or, if there is none, the straight lane on which it gets
+the robot's poses are known to be good (standing/planner.py), or, if there is none, the straight lane on which it gets
 farthest. Wandering draws motions at random. Cost: none next to the simulation. What breaks it: a robot that skids, as
 no error is summed up, and a way whose bends are closer together than the robot is long, which it cuts.
 """
@@ -24,7 +24,7 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.simulators.poses import Pose
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import entry_distance
-from rsegen.standing.lattice import best_way
+from rsegen.standing.planner import best_way
 from rsegen.standing.ways import Way
 
 

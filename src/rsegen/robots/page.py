@@ -36,7 +36,8 @@ from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.lattice import Lattice
-from rsegen.standing.lattice import reach as reached
+from rsegen.standing.planner import Planner
+from rsegen.standing.reach import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, centre_at, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
@@ -413,9 +414,9 @@ def way(  # noqa: PLR0913  # each is named by the page
         opened, recipe, field = _map(host, doc, index)
         body = robot_of_page(host, robot).body
         # A lattice takes seconds, and answers for every start and goal on the map.
-        lattice = cached(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
-        lattice.watch = watch
-        route = lattice.between(start, goal)
+        planner = cached(opened, ("planner", recipe, index, robot, best), lambda: Planner(Lattice(field, body, best)))
+        planner.lattice.watch = watch
+        route = planner.between(start, goal)
     if route is None:
         return {
             "found": False,

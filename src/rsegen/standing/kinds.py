@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.lattice import Reach, Watch, best_way, reach
+from rsegen.standing.lattice import Watch
+from rsegen.standing.planner import best_way
 from rsegen.standing.pose_statistics import PoseStatistics, pose_statistics
+from rsegen.standing.reach import Reach, reach
 from rsegen.standing.stable import stable_poses
 from rsegen.standing.ways import Way, events
 

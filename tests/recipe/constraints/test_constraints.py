@@ -27,7 +27,7 @@ from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from rsegen.recipe.constraints.meeting import crossing_caps
 from rsegen.recipe.inventory_file import inventory_in
 from rsegen.robots.base import ROBOTS
-from rsegen.standing import kinds, lattice
+from rsegen.standing import kinds, planner
 from rsegen.standing.lanes import driven_lanes, straight
 from tests.support.complaints import the_line
 from tests.support.long import long_unless
@@ -166,7 +166,7 @@ def test_all_of_it_at_once() -> None:
 
 @pytest.mark.slow
 def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    searches = Mock(wraps=lattice.best_way)
+    searches = Mock(wraps=planner.best_way)
     monkeypatch.setattr(kinds, "best_way", searches)
     asked = ["--chunk-size", "5", "--boundary", "none", "--crossable-by", "crawler", "--inventory", "10,8,5,3"]
     assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0

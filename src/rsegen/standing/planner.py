@@ -1,0 +1,298 @@
+"""Plans of ways over the lattice of a robot on a field: the best across, and the best between two places.
+
+    o---o---o                 the best way over moves that are driven one by one (lattice.py)
+            |
+    ========+                 its straight pieces, driven as a whole: a robot that spends its momentum stops
+    - - - - -  3 mm           the lanes next to them; where it falls, 2 cm aside
+            o   o---o         where one ends, that move is barred, and the next best way is planned
+
+Cost: a second for each twenty ways that are planned anew; on rough ground that takes one to twenty. What breaks it:
+what breaks lanes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.watch import report_share
+from rsegen.standing.body import Body
+from rsegen.standing.lanes import (
+    BESIDE,
+    FALL_ROOM,
+    Lanes,
+    across,
+    drive_lanes,
+    entry_distance,
+    lines_along,
+    step_of,
+    straight,
+)
+from rsegen.standing.lattice import HEADINGS, MOVES, Lattice, Place
+from rsegen.standing.resting import of_settled
+from rsegen.standing.settling import Settled, joined, settle
+from rsegen.standing.ways import DrivenWay, Way, no_way, straight_way, worst_of
+
+_CHECKED = 64
+"""Ways whose straight pieces are driven as a whole, before there is said to be none."""
+
+
+_TURN_POSES = 7
+"""Poses of a turn by 45 degrees that are shown."""
+
+
+class Planner:
+    """Ways over a lattice, which it bars where a way turns out not to be driven."""
+
+    def __init__(self, lattice: Lattice) -> None:
+        self.lattice, self.field, self.body, self.ground = lattice, lattice.field, lattice.body, lattice.ground
+        self._closed: list[tuple[float, float, int]] = []
+        self._lanes_at_ends: dict[int, tuple[Array, Array, Array, Mask, Array]] = {}
+        # Metres that are driven from x, y in a heading so far aside, and whether the robot falls there.
+        self._driven_on: dict[tuple[float, float, float, float], tuple[float, bool]] = {}
+
+    def way(self, axis: int, *, checked: bool = True) -> Way | None:
+        """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
+
+        checked: whether its straight pieces are driven as a whole too, and the lanes next to them
+        """
+        starts, goals = self._ends(axis)
+        left = self.field.block_width * (self.field.shape[axis] - 1 - np.indices(self.field.shape)[axis])
+        for _ in range(_CHECKED):
+            best = self.lattice.best_way(starts, goals, left)
+            if best is None:
+                return None
+            places = best[1]
+            driven = self._driven_pieces(*self._line(axis, places), checked=checked)
+            if isinstance(driven, Lanes):
+                return self._way_of(axis, places, driven)
+            # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
+            for ending in driven:
+                if ending == 0:
+                    del starts[places[0]]
+                elif ending == len(places):
+                    del goals[places[-1]]
+                else:
+                    self.lattice.moves[places[ending - 1]] = False
+        return None
+
+    def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
+        """Return the best way between two places, x and y in metres, at any heading; None if there is none.
+
+        They are the centres of the cells in which these places are, or of the nearest ones.
+        """
+        cells = [
+            (int(np.abs(self.lattice.x - along_x).argmin()), int(np.abs(self.lattice.y - along_y).argmin()))
+            for along_x, along_y in (start, goal)
+        ]
+        starts, goals = (self.lattice.standing_at(*cell) for cell in cells)
+        if not starts or not goals:
+            return None
+        best = self.lattice.best_way(starts, goals, self._distance_to(cells[1]))
+        return self._driven_way(self._length(best[1]), best[1]) if best else None
+
+    def close(self, x: float, y: float, heading: int) -> None:
+        """Let no way lead past a place, metres, in a heading from now on: a robot got stuck there, whatever poses say.
+
+        Moves are closed whose middle is less than a block away; of lanes at both ends those on its line.
+        """
+        self._closed.append((x, y, heading))
+        ahead, reach = MOVES[heading] * self.field.block_width / 2, self.field.block_width
+        near = np.hypot(self.lattice.x[:, None] + ahead[0] - x, self.lattice.y[None, :] + ahead[1] - y) < reach
+        self.lattice.is_driven[near, heading], self.lattice.moves[near, heading] = True, False
+
+    def _is_closed(self, x: float, y: float, heading: int, length: float) -> bool:
+        """Return whether a lane from a place leads past one that is closed."""
+        for at_x, at_y, at_heading in self._closed:
+            c, s = np.cos(heading * np.pi / 4), np.sin(heading * np.pi / 4)
+            along, aside = c * (at_x - x) + s * (at_y - y), c * (at_y - y) - s * (at_x - x)
+            if heading == at_heading and 0 <= along <= length and abs(aside) < self.field.block_width / 2:
+                return True
+        return False
+
+    def _driven_pieces(self, line: Array, heading: Ints, *, checked: bool) -> Lanes | list[int]:
+        """Return the lanes of the straight pieces of a way, or on which lanes from place to place it ends.
+
+        0 is the lane that leads to its first place, m that from place m - 1 on. First all pieces are driven: the next
+        way mostly has those behind an ending too. Then again as each pose follows from the one before, on which few end
+        that were driven before.
+        checked: whether it may end at all
+        """
+        pieces = _straight_pieces(line, heading)
+        begins, ends = pieces.T
+        (x, y), yaw = line[begins].T, heading[begins] * np.pi / 4
+        length = np.hypot(*(line[ends] - line[begins]).T)
+        shares = self._surely_driven(line[begins], yaw, length) if checked else np.ones(len(pieces))
+        if (shares == 1).all():
+            lanes = drive_lanes(self.ground, self.body, x, y, yaw, length, follows=True)
+            if lanes.passed.all() or not checked:
+                return lanes
+            shares = np.where(lanes.passed, 1.0, lanes.last / lanes.count)
+        return [_number_at(line, pieces[k], float(shares[k])) for k in np.flatnonzero(shares < 1)]
+
+    def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
+        """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
+
+        Where a piece itself ends, nothing next to pieces is driven. Ways that are tried one after the other are mostly
+        the same: what is known to be driven is not driven again.
+        begins: (n, 2)
+        """
+        shares, drops = np.ones(len(length)), np.zeros(len(length), bool)
+        for aside in ((0.0,), (-BESIDE, BESIDE), (-FALL_ROOM, FALL_ROOM)):
+            places = [(x, y, turn, aside[0]) for x, y, turn in np.column_stack([begins, yaw]).tolist()]
+            known = np.array([self._driven_on.get(place, (0.0, False)) for place in places])
+            asked = np.flatnonzero((length > known[:, 0]) & (drops | (aside[-1] < FALL_ROOM)))
+            x, y = (
+                (begins[asked, axis, None] + side[asked, None] * aside).ravel()
+                for axis, side in enumerate((-np.sin(yaw), np.cos(yaw)))
+            )
+            turned, long = (np.repeat(values[asked], len(aside)) for values in (yaw, length))
+            lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
+            driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, len(aside)).min(axis=1)
+            falls = np.asarray(lanes.drops.any(axis=1).reshape(-1, len(aside)).any(axis=1))
+            for number, share, fall in zip(asked.tolist(), driven.tolist(), falls.tolist(), strict=True):
+                self._driven_on[places[number]] = share * length[number], fall
+            shares[asked], drops[asked] = driven, falls
+            drops |= known[:, 1] > 0
+            if (shares < 1).any():
+                break
+        return shares
+
+    def _line(self, axis: int, places: Sequence[Place]) -> tuple[Array, Ints]:
+        """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
+        i, j, k = np.array(places).T
+        points = np.stack([self.lattice.x[i], self.lattice.y[j]], axis=1)
+        ends = points[[0, -1]].copy()
+        ends[:, axis] = (
+            -entry_distance(self.field, self.body, axis),
+            self.field.extent[axis] / 2 - float(self.body.low[0]),
+        )
+        return np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
+
+    def _distance_to(self, goal: tuple[int, int]) -> Array:
+        """Return the distance of all cells from one, metres, which no way to it is shorter than."""
+        i, j = np.indices(self.field.shape)
+        return np.asarray(self.field.block_width * np.hypot(i - goal[0], j - goal[1]))
+
+    def _ends(self, axis: int) -> tuple[dict[Place, float], dict[Place, float]]:
+        """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
+        if axis not in self._lanes_at_ends:
+            self._lanes_at_ends[axis] = self._drive_ends(axis)
+        x, y, length, passed, worst = self._lanes_at_ends[axis]
+        numbers, last = np.flatnonzero(lines_along(self.field, axis)), self.field.shape[axis] - 1
+        ends: list[dict[Place, float]] = [{}, {}]
+        for number in np.flatnonzero(passed).tolist():
+            if not self._is_closed(float(x[number]), float(y[number]), 2 * axis, float(length[number])):
+                side, line = number // len(numbers), int(numbers[number % len(numbers)])
+                cell = (0, last)[side]
+                ends[side][(cell, line, 0) if axis == 0 else (line, cell, 2)] = float(worst[number])
+        return ends[0], ends[1]
+
+    def _drive_ends(self, axis: int) -> tuple[Array, Array, Array, Mask, Array]:
+        """Return x and y where lanes in begin, then those out, their lengths, whether they are driven, the worst."""
+        middles = across(self.field, axis)
+        first, edge = self.field.middles()[axis][0], entry_distance(self.field, self.body, axis)
+        outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
+        along = np.repeat([-edge, -first], len(middles))
+        length, aside = np.repeat([edge + first, outward], len(middles)), np.tile(middles, 2)
+        x, y = (along, aside) if axis == 0 else (aside, along)
+        return x, y, length, *self.lattice.driven(x, y, np.full(len(x), axis * np.pi / 2), length)
+
+    def _way_of(self, axis: int, places: list[Place], lanes: Lanes) -> Way:
+        """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
+        k = np.array(places)[:, 2]
+        line, _ = self._line(axis, places)
+        points, ends = line[1:-1], line[[0, -1]]
+        length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
+        turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
+        x, y = np.tile(points[:-1], (3, 1)).T
+        turned = settle(self.ground, self.body, x, y, turning.ravel())
+        kept = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
+        return Way(
+            crosses=True,
+            length=length,
+            length_ratio=length / float(ends[1, axis] - ends[0, axis]),
+            points=np.concatenate([ends[:1], points[kept], ends[1:]]),
+            **worst_of(self.ground, self.body, lanes, turned),
+        )
+
+    def _length(self, places: list[Place]) -> float:
+        """Return the length of a way over places, metres; a turn by 45 degrees is as long as the path of its sides."""
+        turned = np.diff(np.array(places), axis=0)
+        moves = float(np.hypot(*turned[:, :2].T).sum()) * self.field.block_width
+        return moves + np.count_nonzero(turned[:, 2]) * self.lattice.turn_length
+
+    def _driven_way(self, length: float, places: list[Place]) -> DrivenWay:
+        """Return the way over places, pose by pose."""
+        pieces = list(self._pieces(np.array(places)))
+        poses = [
+            of_settled(self.ground, self.body, piece.poses if isinstance(piece, Lanes) else piece) for piece in pieces
+        ]
+        begins = np.cumsum([0, *(len(piece.x) for piece in poses)])[:-1]
+        drops, slips = (
+            tuple(
+                int(begin) + at
+                for begin, piece in zip(begins, pieces, strict=True)
+                if isinstance(piece, Lanes)
+                for at in _run_starts(getattr(piece, name)[0])
+            )
+            for name in ("drops", "slips")
+        )
+        return DrivenWay(length=length, poses=joined(poses), drops=drops, slips=slips)
+
+    def _pieces(self, places: Ints) -> Iterator[Lanes | Settled]:
+        """Yield the lanes and the turns of a way over places (n, 3), in their order; a way of one place is a turn."""
+        points, yaw = (
+            np.stack([self.lattice.x[places[:, 0]], self.lattice.y[places[:, 1]]], axis=1),
+            places[:, 2] * np.pi / 4,
+        )
+        begin, last = 0, len(places) - 1
+        for m in range(len(places)):
+            turns_on = m < last and places[m, 2] != places[m + 1, 2]
+            if m < last and not turns_on:
+                continue
+            ahead = points[m] - points[begin]
+            if ahead.any():
+                x, y = points[begin, :1], points[begin, 1:]
+                yield drive_lanes(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)), follows=True)
+            if turns_on or not last:
+                on = (places[min(m + 1, last), 2] - places[m, 2] + 4) % HEADINGS - 4
+                headings = yaw[m] + np.linspace(0, 1, _TURN_POSES) * on * np.pi / 4
+                x, y = np.tile(points[m], (_TURN_POSES, 1)).T
+                yield settle(self.ground, self.body, x, y, headings)
+            begin = m + 1
+
+
+def _straight_pieces(line: Array, heading: Ints) -> Ints:
+    """Return from which place of a line to which each straight piece leads, (n, 2), for the headings of its lanes."""
+    turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
+    pieces = np.stack([turns[:-1], turns[1:]], axis=1)
+    return np.asarray(pieces[(line[turns[:-1]] != line[turns[1:]]).any(axis=1)])
+
+
+def _number_at(line: Array, piece: Ints, share: float) -> int:
+    """Return the number of the lane at a share of the length of a straight piece, from and to places of a line."""
+    first, last = piece
+    run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
+    return int(first + np.searchsorted(run[:-1], share * run[-1], side="right"))
+
+
+def _run_starts(which: Mask) -> list[int]:
+    """Return the numbers of the first of each stretch of a mask."""
+    return [int(at) for at in np.flatnonzero(which & ~np.append(False, which[:-1]))]
+
+
+def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> Way:
+    """Return the best way across a field along an axis, 0 for x and 1 for y; best: one of BEST.
+
+    The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
+    """
+    direct = straight_way(field, body, axis)
+    if direct and best == "length":
+        return direct
+    way = Planner(Lattice(field, body, best, partial(report_share, "a way across"))).way(axis)
+    report_share("a way across", 1)
+    return way or direct or no_way(straight(field, body, axis), body)
