@@ -34,8 +34,9 @@ from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import has_stood
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle_from
+from rsegen.standing.settling import Settled, outer_radius, settle_from
 from rsegen.standing.stable import stable_at
 
 FILE = RESULTS / "driven_poses.json"

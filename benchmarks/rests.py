@@ -42,8 +42,9 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import attempted, running_server
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import has_stood, resting_poses
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
+from rsegen.standing.settling import Settled, outer_radius, settle, settle_from
 from rsegen.standing.stable import stable_at
 from rsegen.writing.target_worlds import world_of
 

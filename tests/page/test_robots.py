@@ -26,8 +26,8 @@ from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing import reach
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import REASONS
-from rsegen.standing.settling import PaddedGround
 
 RECIPE = rsegen.Recipe(
     name="field", chunk_size=6, boundary="none", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2

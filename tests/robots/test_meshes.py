@@ -14,8 +14,9 @@ from rsegen.geometry.collada import Triangles
 from rsegen.robots import body, meshes, sdf_shapes
 from rsegen.robots.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import has_stood
-from rsegen.standing.settling import PaddedGround, outer_radius, settle
+from rsegen.standing.settling import outer_radius, settle
 
 SOLIDS = {
     "box": trimesh.creation.box((0.4, 0.2, 0.1)),

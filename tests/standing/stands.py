@@ -8,7 +8,8 @@ from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.links import ALONG_Y, rotation
 from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sampled_ball, sampled_cylinder
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.ground import PaddedGround
+from rsegen.standing.settling import Settled, outer_radius, settle
 
 BODIES = {kind: robot.body for kind, robot in ROBOTS.items()}
 """The bodies of the included robots."""

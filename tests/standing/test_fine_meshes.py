@@ -12,8 +12,9 @@ import rsegen
 from rsegen.field.stepfield import Array
 from rsegen.standing import body as sampling
 from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sample_distance, sampled_mesh
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import has_stood
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import Settled, outer_radius, settle
 
 trimesh = pytest.importorskip("trimesh")
 

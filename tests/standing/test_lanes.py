@@ -12,6 +12,7 @@ from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import Wheels
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import _energy_left, careful
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import (
     FALL_ROOM,
     End,
@@ -24,7 +25,7 @@ from rsegen.standing.lanes import (
 )
 from rsegen.standing.lattice import Lattice
 from rsegen.standing.planner import Planner
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
+from rsegen.standing.settling import Settled, outer_radius, settle, settle_from
 from tests.standing.stands import BODIES, cart, field_of, settled
 
 BURGER = BODIES["burger"]

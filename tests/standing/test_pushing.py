@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.field.stepfield import Array
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import End, drive_lanes, step_of
 from rsegen.standing.pushing import SLIDING, _largest_margin, force_margin
-from rsegen.standing.settling import PaddedGround, outer_radius, settle
+from rsegen.standing.settling import outer_radius, settle
 from tests.standing.stands import BODIES, cart, field_of
 
 FLAT = field_of(np.zeros((20, 20), int))

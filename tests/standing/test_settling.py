@@ -16,9 +16,10 @@ from rsegen.errors import TooLarge
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.pushing import sample_heights
 from rsegen.standing.resting import has_stood, resting_poses
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import Settled, outer_radius, settle
 from tests.standing.stands import BODIES, field_of, settled
 
 KINDS = sorted(BODIES)

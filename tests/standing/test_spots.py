@@ -16,15 +16,13 @@ from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body, body_of_size
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes
 from rsegen.standing.outlines import Bounds, Outline, apart, fits
 from rsegen.standing.resting import resting_poses
-from rsegen.standing.settling import PaddedGround, outer_radius
-from rsegen.standing.spots import (
-    MOST_TILT,
-    Spot,
-    find_spots,
-)
+from rsegen.standing.settling import outer_radius
+from rsegen.standing.spot_judge import Spot
+from rsegen.standing.spots import MOST_TILT, find_spots
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
 

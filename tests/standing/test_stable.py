@@ -13,8 +13,9 @@ from benchmarks.mujoco_robots import blocks, free_robot, model, pose_of
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.drawing import axes_of
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import resting_poses
-from rsegen.standing.settling import PaddedGround, outer_radius
+from rsegen.standing.settling import outer_radius
 from rsegen.standing.stable import APART, stable_poses
 from tests.standing.stands import BODIES, field_of
 

@@ -21,7 +21,8 @@ from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.poses import Pose, adjacent_pose
 from rsegen.standing.outlines import Bounds, Outline, fits
-from rsegen.standing.spots import GAP, Spot, spot_generator, spots_on_map
+from rsegen.standing.spot_judge import Spot
+from rsegen.standing.spots import GAP, spot_generator, spots_on_map
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""

@@ -26,7 +26,7 @@ from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.robots.parameters import RobotModel
 
 if TYPE_CHECKING:
-    from rsegen.standing.spots import Spot
+    from rsegen.standing.spot_judge import Spot
     from rsegen.writing.target_worlds import Target
 
 

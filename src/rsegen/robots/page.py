@@ -35,12 +35,14 @@ from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lattice import Lattice
 from rsegen.standing.planner import Planner
 from rsegen.standing.reach import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, centre_at, outer_radius, settle
-from rsegen.standing.spots import Spot, spot_generator, spots_on_map
+from rsegen.standing.settling import centre_at, outer_radius, settle
+from rsegen.standing.spot_judge import Spot
+from rsegen.standing.spots import spot_generator, spots_on_map
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Way as LatticeWay
 

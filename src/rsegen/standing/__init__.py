@@ -12,7 +12,7 @@ CAPABILITY = Capability(
     needs=("pictures",),
     public={
         "rsegen.standing.resting": ("Poses",),
-        "rsegen.standing.spots": ("Spot",),
+        "rsegen.standing.spot_judge": ("Spot",),
         "rsegen.standing.stable": ("StablePoses",),
     },
     offers={"rsegen.formats": {"posture": "rsegen.standing.posture"}},

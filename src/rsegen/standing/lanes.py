@@ -43,9 +43,10 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.pushing import SLIDING, force_margin
 from rsegen.standing.resting import GRAVITY, has_stood, loads_on
-from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle, settle_from
+from rsegen.standing.settling import Settled, joined, outer_radius, settle, settle_from
 
 _STEPS = 100
 """Steps per length of a robot."""

@@ -29,10 +29,11 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes, lines_along, steps_on
 from rsegen.standing.resting import has_stood, margins
 from rsegen.standing.searching import cheapest
-from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle, settled_on_level
+from rsegen.standing.settling import Settled, joined, outer_radius, settle, settled_on_level
 
 HEADINGS = 8
 

@@ -33,6 +33,7 @@ from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import careful, room_beside, safely_passed
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import (
     across,
     drive_lanes,
@@ -42,7 +43,7 @@ from rsegen.standing.lanes import (
     origins,
     step_of,
 )
-from rsegen.standing.settling import PaddedGround, outer_radius
+from rsegen.standing.settling import outer_radius
 
 if TYPE_CHECKING:
     from rsegen.standing.kinds import RobotOnField

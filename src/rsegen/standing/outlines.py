@@ -11,7 +11,7 @@ from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.standing.body import Body
 
 if TYPE_CHECKING:
-    from rsegen.standing.spots import Spot
+    from rsegen.standing.spot_judge import Spot
 
 HEADINGS = 16
 """Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""

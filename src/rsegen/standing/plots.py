@@ -21,7 +21,7 @@ from rsegen.standing.drawing import draw_robot
 from rsegen.standing.outlines import Outline
 from rsegen.standing.resting import REASONS, resting_poses
 from rsegen.standing.settling import outer_radius
-from rsegen.standing.spots import Spot
+from rsegen.standing.spot_judge import Spot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

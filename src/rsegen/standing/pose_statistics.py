@@ -8,8 +8,9 @@ import numpy as np
 
 from rsegen.field.stepfield import StepField
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import of_settled
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import Settled, outer_radius, settle
 from rsegen.standing.stable import stable_at
 
 _SAMPLE = 128

@@ -17,7 +17,8 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.standing.body import Body
-from rsegen.standing.settling import SINGLE, PaddedGround, Settled, Singles
+from rsegen.standing.ground import SINGLE, PaddedGround, Singles
+from rsegen.standing.settling import Settled
 
 TOUCHING = 0.0008
 """Metres between a sample and the ground up to which it counts as in contact: what contacts of simulators give way.

@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.pushing import SLIDING, force_margin, outermost, sample_heights
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import Settled, outer_radius, settle
 
 GRAVITY = 9.81
 

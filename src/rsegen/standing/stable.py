@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import Poses, has_stood, of_settled, places
-from rsegen.standing.settling import PaddedGround, Settled, centre_at, outer_radius, settle_from
+from rsegen.standing.settling import Settled, centre_at, outer_radius, settle_from
 
 _SLOPES, _SIDES = (0.2, 0.4), 8
 """Slopes at which a robot is put down, besides level, and to how many sides: 11 and 22 degrees, about as steep as a

@@ -10,6 +10,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import safely_passed
+from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import (
     End,
     Lanes,
@@ -22,7 +23,7 @@ from rsegen.standing.lanes import (
     surely_passed,
 )
 from rsegen.standing.resting import Poses, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle
+from rsegen.standing.settling import Settled, joined, outer_radius, settle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
