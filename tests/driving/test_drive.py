@@ -26,7 +26,7 @@ RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
         ({"duration": 0}, r"duration: 0 is outside 0\.1\.\."),
         ({"route": "strait"}, "route: 'strait' is not one of straight, random"),
         ({"seed": -1}, r"seed: -1 is outside 0\.\."),
-        ({"map": 7}, "map: there is no map 7 in the recipe; use an index or name, course_0000"),
+        ({"map": 7}, "map: there is no map 7 in the recipe; use an index or name, course_0000$"),
         ({"speed": 1}, "speed: is for the robot of a file; 'burger' has its own"),
         ({"robot": robot_of_kind("jackal"), "turn": 1}, "turn: is for the robot of a file; 'jackal' has its own"),
         ({"picture": True}, "picture: needs a folder"),

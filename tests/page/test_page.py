@@ -246,6 +246,16 @@ def test_the_robot_panel_has_the_units_of_the_recipe(page: Page) -> None:
         until(lambda: clearance in page.js(facts))  # noqa: B023
 
 
+def test_the_robot_panel_shows_no_negative_zero(page: Page) -> None:
+    page.js("state.tab.value = 'robot'; return state.chooseRobot('burger')")
+    page.js("state.settle(0, 0)")
+    until(lambda: page.js("return Boolean(state.pose.value)"))
+    page.js("state.pose.value = { ...state.pose.value, clearance: -1e-9, z: -1e-9, roll: -1e-9, pitch: -1e-9 }")
+    facts = "return document.querySelector('.facts')?.textContent ?? ''"
+    until(lambda: "clearance0.0 cm" in page.js(facts))
+    assert "-0" not in page.js(facts)
+
+
 def test_a_value_out_of_its_range_is_said_at_its_field_and_kept(page: Page) -> None:
     page.choose("Add", "Peak")
     page.type("Softness", "130")

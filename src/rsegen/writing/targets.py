@@ -61,8 +61,8 @@ def one_of(
         if index is not None:
             return ChosenMap(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    problem = f"there is no map {shown(which)} in {target}; use an index or name, {names[0]}..{names[-1]}"
-    raise ParameterError(where, problem)
+    known = "..".join(dict.fromkeys([names[0], names[-1]]))  # one name of a single map
+    raise ParameterError(where, f"there is no map {shown(which)} in {target}; use an index or name, {known}")
 
 
 def map_index(recipe: Recipe, which: int | str | None) -> int:

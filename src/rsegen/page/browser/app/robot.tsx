@@ -12,10 +12,12 @@ import {
 /* By what the best way is chosen. */
 export const best = signal<"length" | "tilt" | "margin">("length");
 
+/* Rounded, without the sign of a zero: toFixed writes -0.0. */
+const rounded = (number: number, digits: number) => (Number(number.toFixed(digits)) + 0).toFixed(digits);
 const degrees = (angle: number) => Number(((angle * 180) / Math.PI).toFixed(1));
 const size = (length: number | null) =>
-  length === null ? "–" : state.value?.values.units === "in" ? `${(length / 0.0254).toFixed(2)} in` : `${(100 * length).toFixed(1)} cm`;
-const place = ([x, y]: [number, number]) => `${x.toFixed(2)}, ${y.toFixed(2)} m`;
+  length === null ? "–" : state.value?.values.units === "in" ? `${rounded(length / 0.0254, 2)} in` : `${rounded(100 * length, 1)} cm`;
+const place = ([x, y]: [number, number]) => `${rounded(x, 2)}, ${rounded(y, 2)} m`;
 
 const times = (way: DrawnWay, what: string) => String(way.events.filter(({ text }) => text === what).length);
 
