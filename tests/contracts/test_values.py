@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import rsegen
+from rsegen.geometry import boxes, surface
 
 RECIPE = rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=3)])
 VALUES = {
@@ -72,3 +77,22 @@ def test_another_value_is_refused_in_one_line(
             function(**{**call, parameter: value})
         assert "\n" not in str(refusal.value)
     assert not list(tmp_path.iterdir())
+
+
+def arrays_of(value: Any) -> list[np.ndarray[Any, Any]]:
+    parts = [getattr(value, field.name) for field in fields(value)]
+    return [part for each in parts for part in (each if isinstance(each, tuple) else (each,)) if hasattr(part, "flags")]
+
+
+def pickled(value: Any) -> Any:
+    return pickle.loads(pickle.dumps(value))  # noqa: S301  # our own
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
+def test_arrays_are_read_only_in_copies_and_pickles(copied: Callable[[Any], Any]) -> None:
+    scene = rsegen.compose(RECIPE)
+    for value in (scene.field, copied(scene).field, surface(scene.field), boxes(scene.field)):
+        arrays, again = arrays_of(value), arrays_of(copied(value))
+        assert arrays
+        assert not any(array.flags.writeable for array in [*arrays, *again])
+        assert all(np.array_equal(array, same) for array, same in zip(arrays, again, strict=True))

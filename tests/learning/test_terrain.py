@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -27,6 +28,15 @@ TABLE_OF_1 = replace(
     obstacles=[Random(levels=20), Peak(levels=30, blend="max")],
 )
 HILL = replace(ROUGH, name="hill", obstacles=[Peak(levels=6, softness=60)])
+
+
+def test_the_tiles_of_a_copy_are_read_only() -> None:
+    terrain = Terrain(recipes=ROUGH, rows=2, columns=1)
+    levels = terrain.levels
+    again = copy.deepcopy(terrain)
+    assert np.array_equal(again.levels, levels)
+    assert not again.levels.flags.writeable
+    assert not again.maps.flags.writeable
 
 
 def test_rows_rise_from_flat_to_full() -> None:

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,26 @@ CellWindow = tuple[slice, slice]
 
 NO_CAP = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
+
+
+def make_read_only(*arrays: NDArray[Any]) -> None:
+    """Let nobody write into the arrays of a frozen value."""
+    for array in arrays:
+        array.setflags(write=False)
+
+
+def restore(instance: Any, state: Any) -> None:
+    """Set the fields of a frozen value that was pickled or copied, its arrays read-only: the `__setstate__` of a class.
+
+    numpy keeps neither in a pickle nor in a deep copy that an array is read-only. state: the fields in their order, as
+    a dataclass with slots gives them, or values by name
+    """
+    names = [field.name for field in fields(instance)]
+    by_name = state if isinstance(state, dict) else dict(zip(names, state, strict=True))
+    for name, value in by_name.items():
+        parts = value if isinstance(value, tuple) else (value,)
+        make_read_only(*(part for part in parts if isinstance(part, np.ndarray)))
+        object.__setattr__(instance, name, value)
 
 
 _LENGTHS = {"block_width": Float(1e-9, unit="m"), "unit": Float(1e-9, unit="m"), "frame_height": Float(0, unit="m")}
@@ -78,8 +98,9 @@ class StepField:
             raise ParameterError("frame", f"{shown(frame)} is not an array of bool of shape {levels.shape}, as levels")
         for name, length in _LENGTHS.items():
             length.check(name, getattr(self, name))
-        for array in (levels, frame):
-            array.setflags(write=False)
+        make_read_only(levels, frame)
+
+    __setstate__ = restore
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, StepField):

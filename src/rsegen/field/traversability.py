@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.graphs import component_labels, strongly_connected
-from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField
+from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField, make_read_only, restore
 from rsegen.field.steps import steps
 from rsegen.params.sorts import NANOMETRES
 
@@ -169,8 +169,9 @@ class Crossing:
     costs: Array
 
     def __post_init__(self) -> None:
-        for array in (self.path, self.costs):
-            array.setflags(write=False)
+        make_read_only(self.path, self.costs)
+
+    __setstate__ = restore
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -191,7 +192,9 @@ class Traversability:
     region: Mask
 
     def __post_init__(self) -> None:
-        self.region.setflags(write=False)
+        make_read_only(self.region)
+
+    __setstate__ = restore
 
 
 def cells_to_each_side(field: StepField, width: float) -> int:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import refuse_other
-from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.field.stepfield import Array, Ints, StepField, make_read_only, restore
 from rsegen.geometry.mesh import LabelGrid, label_grid
 from rsegen.geometry.rectangles import merge
 
@@ -41,8 +41,9 @@ class Boxes:
     high: Array
 
     def __post_init__(self) -> None:
-        for array in (self.low, self.high):
-            array.setflags(write=False)
+        make_read_only(self.low, self.high)
+
+    __setstate__ = restore
 
     def __len__(self) -> int:
         return len(self.low)

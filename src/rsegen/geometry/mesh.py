@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Array, CellWindow, Ints, Mask, StepField
+from rsegen.field.stepfield import Array, CellWindow, Ints, Mask, StepField, make_read_only, restore
 from rsegen.geometry.rectangles import Rectangles
 from rsegen.params.sorts import NANOMETRE_DIGITS
 
@@ -49,8 +49,9 @@ class Mesh:
     materials: NDArray[np.int16]
 
     def __post_init__(self) -> None:
-        for array in (*self.lines, self.places, self.faces, self.normals, self.materials):
-            array.setflags(write=False)
+        make_read_only(*self.lines, self.places, self.faces, self.normals, self.materials)
+
+    __setstate__ = restore
 
     @property
     def vertices(self) -> Array:

@@ -30,7 +30,7 @@ from rsegen.datasets.difficulty_tiles import (
 )
 from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.crossing import SIDE, CrossingModel
-from rsegen.field.stepfield import Array, Ints, Levels, StepField
+from rsegen.field.stepfield import Array, Ints, Levels, StepField, make_read_only, restore
 from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.catalogue import RMS, By, metric_by
@@ -107,6 +107,8 @@ class Terrain(TerrainDesign):
         if n_x * n_y > _MOST_CELLS:
             raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; use fewer or smaller tiles")
 
+    __setstate__ = restore
+
     @property
     def _kinds(self) -> tuple[Recipe, ...]:
         return as_recipes(self.recipes)
@@ -132,7 +134,7 @@ class Terrain(TerrainDesign):
         for column in range(self.columns if rising and self.rows > 1 else 0):
             full = [self._fullness(self._kind_of(column), int(index)) for index in maps[:, column]]
             maps[:, column] = maps[np.argsort(rising * np.array(full), kind="stable"), column]
-        maps.setflags(write=False)
+        make_read_only(maps)
         return maps
 
     @cached_property
@@ -147,7 +149,7 @@ class Terrain(TerrainDesign):
             raised = self._ground - recipe.ground_level
             levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(raised)
             self._tell_progress()
-        levels.setflags(write=False)
+        make_read_only(levels)
         return levels
 
     @cached_property
