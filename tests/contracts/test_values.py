@@ -6,7 +6,7 @@ import copy
 import pickle
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from typing import Any
@@ -96,3 +96,31 @@ def test_arrays_are_read_only_in_copies_and_pickles(copied: Callable[[Any], Any]
         assert arrays
         assert not any(array.flags.writeable for array in [*arrays, *again])
         assert all(np.array_equal(array, same) for array, same in zip(arrays, again, strict=True))
+
+
+def test_lists_are_taken_where_tuples_are() -> None:
+    """Also by type checkers: mypy checks this file."""
+    place = rsegen.Peak(levels=5, first=[2, 3], last=["random", 5])
+    assert place == rsegen.Peak(levels=5, first=(2, 3), last=("random", 5))
+    rows = rsegen.Matrix(levels=3, rows=["0 1 2", "2 1 0"])
+    weights, counts = rsegen.Random(levels=3, weights=[1, 2, 1]), rsegen.Random(levels=3, counts=[300, 200, 100])
+    pallet, platform = rsegen.Pallet(levels=5, turns=[0, 1]), rsegen.Platform(levels=3, size=[2, 3])
+    recipe = rsegen.Recipe(
+        chunks=[2, 3],
+        obstacles=[place, rows, weights, counts, pallet, platform],
+        difficulty=[0.2, 1],
+        crossable_by=[10, 10, 30],
+        inventory=[900] * 4,
+        level_friction=[0.5, 0.6],
+        level_colours=["#ff0000"],
+    )
+    canonical: list[object] = [
+        recipe.chunks,
+        recipe.difficulty,
+        recipe.crossable_by,
+        recipe.inventory,
+        recipe.level_friction,
+    ]
+    canonical += [recipe.level_colours, rows.rows, weights.weights, counts.counts, pallet.turns, platform.size]
+    assert all(isinstance(value, tuple) for value in canonical)
+    assert len(rsegen.spots(replace(recipe, obstacles=[]), size=[0.3, 0.2], seed=1)) == 1

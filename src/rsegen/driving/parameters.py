@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -26,7 +27,7 @@ Tracks = Annotated[
 ]
 
 Size = Annotated[
-    tuple[float, float, float] | None,
+    Sequence[float] | None,
     ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
     Shell(metavar="L,W,H", default="from its collision shapes"),
 ]

@@ -78,12 +78,12 @@ class TableRow:
     robot: Annotated[str, _KindOrFile(tuple(ROBOTS), help="kind of robot, or file of a model")] = "burger"
     wheels: Annotated[str | None, Reference("LEFT,RIGHT", help="joints of the wheels of a model in a file")] = None
     tracks: Annotated[str | None, Reference("LEFT,RIGHT", help="links of the tracks of a model in a file")] = None
-    size: Annotated[tuple[float, float, float] | None, ListOf(SIDE, 3, help="length, width and height")] = None
+    size: Annotated[Sequence[float] | None, ListOf(SIDE, 3, help="length, width and height")] = None
     speed: Annotated[float | None, SPEED] = None
     turn: Annotated[float | None, TURN] = None
     robots: Annotated[int, Integer(1, 100, help="number of robots")] = 3
     sizes: Annotated[
-        tuple[int, ...],
+        Sequence[int],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
     maps: Annotated[str, Choice(KINDS_OF_MAPS, help="what stands on the maps")] = "random"
@@ -186,7 +186,7 @@ class ExperimentPlan:
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="name of the experiment")]
     rows: tuple[TableRow, ...]
     paces: Annotated[
-        tuple[str, ...],
+        Sequence[str],
         ListOf(
             Choice(PACES),
             help="real time, full speed, full speed alternating with an empty world, real time with camera or window",

@@ -6,7 +6,7 @@ an inventory, the map that max_step and crossable_by make of it, for which these
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
@@ -75,7 +75,7 @@ def _blocks_by_level(field: StepField) -> dict[int, int]:
     return {level: count for level, count in field.level_counts().items() if level}
 
 
-def _missing(owned: tuple[int, ...], field: StepField) -> dict[int, int]:
+def _missing(owned: Sequence[int], field: StepField) -> dict[int, int]:
     """Return how many blocks of each level a map needs beyond those that are owned."""
     there = dict(enumerate(owned, 1))
     counts = _blocks_by_level(field)
@@ -211,7 +211,7 @@ def _distances(scene: Scene, report: dict[str, Any]) -> str:
     return f"{text}; these blocks would allow {least:,}"
 
 
-def _most_and_least(scene: Scene, inventory: tuple[int, ...]) -> tuple[int, int]:
+def _most_and_least(scene: Scene, inventory: Sequence[int]) -> tuple[int, int]:
     """Return how many blocks of an inventory a map can use, and the least distance in units from what they replace.
 
     The bounds are those of the blocks in the order of their levels, without any other constraint; exact then.
@@ -260,7 +260,7 @@ def _counts_are_kept(scene: Scene) -> bool:
     return design.level_counts() == scene.field.level_counts()
 
 
-def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
+def _inventory(scene: Scene, owned: Sequence[int]) -> dict[str, dict[int, int]]:
     """Return the numbers of blocks by level: owned, used, missing for the map that the obstacles ask for, and left if
     the map has fewer blocks than it would have without an inventory.
     """

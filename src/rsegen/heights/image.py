@@ -10,7 +10,7 @@ is checked before an image is decoded, as a small file may hold a huge one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -168,7 +168,7 @@ _LEAST_KNOWN = 0.5
 """Share of a cell that has to be opaque: with less it is unknown, as it would be made up of its smaller part."""
 
 
-def brightness(path: Path, size: Cell | None = None, *, alike: bool = False) -> Array:
+def brightness(path: Path, size: Sequence[int] | None = None, *, alike: bool = False) -> Array:
     """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given.
 
     nan where it is unknown: more than half of a cell is transparent. Of others the opaque part counts, the more the
@@ -194,7 +194,7 @@ def brightness(path: Path, size: Cell | None = None, *, alike: bool = False) -> 
         return np.where(opacity >= _LEAST_KNOWN * _OPAQUE, weighted / opacity / white, np.nan)
 
 
-def area_means(values: Ints, size: Cell) -> Array:
+def area_means(values: Ints, size: Sequence[int]) -> Array:
     """Return the means of values (n_x, n_y), whole numbers from 0 on, over the areas of fewer or more cells.
 
     Cells may end within a value's area, of which they then have a part. Sums are whole numbers, so exact: along an axis

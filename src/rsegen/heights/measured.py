@@ -8,6 +8,7 @@ grid that is turned or scaled by more than about a block over the map, so that p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, cos, isqrt, radians, sin
 from pathlib import Path
@@ -23,7 +24,7 @@ from rsegen.heights.base import (
     refuse_too_many_cells,
     whole_units,
 )
-from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D, parameters
+from rsegen.params.sorts import Flag, Float, ListOf, Size2D, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ _MOST_SAMPLES = 2**26
 
 
 def sampled(
-    heights: Array, size: Cell, per_block: tuple[float, float], origin: tuple[float, float], turn: float
+    heights: Array, size: Sequence[int], per_block: Sequence[float], origin: Sequence[float], turn: float
 ) -> Array:
     """Return the median height over each block, shape `size`; nan where more than half of a block is nan or outside.
 
@@ -60,7 +61,7 @@ def sampled(
     return np.array([np.where(np.isnan(row).mean(axis=1) > 0.5, np.nan, lower_medians(row)) for row in points])
 
 
-def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
+def _heights_at(heights: Array, origin: Sequence[float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
     """Return the heights of the file at points u, v of the map."""
     import numpy as np
 
@@ -106,12 +107,12 @@ class Measured(Importer):
         bool,
         Flag(help="fill blank cells and holes with the median height of their neighbours; the recipe lists them apart"),
     ] = False
-    size: Annotated[Cell | None, Size2D(help=RESAMPLED)] = None
+    size: Annotated[Sequence[int] | None, Size2D(help=RESAMPLED)] = None
     cells_per_block: Annotated[
         float | None, Float(0.01, 4096, help="with size: cells of the file along one side of a block")
     ] = None
     origin: Annotated[
-        tuple[float, float] | None,
+        Sequence[float] | None,
         ListOf(
             Float(-4096, 4096),
             2,

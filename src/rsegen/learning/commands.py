@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -29,7 +30,7 @@ class _Tiles:
 
     seed: Annotated[int | None, Integer(0, SEEDS - 1, help="seed of all recipes"), Shell(default="that of each")] = None
     spots: Annotated[
-        tuple[float, float] | None,
+        Sequence[float] | None,
         ListOf(SIDE, 2, help="add a start spot to each tile, for a robot of this length and width"),
         Shell(metavar="L,W"),
     ] = None

@@ -121,7 +121,8 @@ class Terrain(TerrainDesign):
     @property
     def difficulties(self) -> Array:
         """The difficulty of each row, (rows,): how far it is from level (0) to as designed (1), by the metric."""
-        return np.linspace(*self.difficulty, self.rows)
+        easiest, hardest = self.difficulty
+        return np.linspace(easiest, hardest, self.rows)
 
     @cached_property
     def maps(self) -> Ints:

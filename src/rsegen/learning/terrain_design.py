@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -16,7 +17,7 @@ class TerrainDesign:
     rows: Annotated[int, Integer(1, 1000, usual=(1, 40), help="tiles along x, from the easiest to the hardest")] = 10
     columns: Annotated[int, Integer(1, 1000, usual=(1, 40), help="tiles along y")] = 20
     difficulty: Annotated[
-        tuple[float, float], ListOf(Float(0, 1), 2, help="difficulty of the first row and of the last: 0 flat, 1 full")
+        Sequence[float], ListOf(Float(0, 1), 2, help="difficulty of the first row and of the last: 0 flat, 1 full")
     ] = (0.0, 1.0)
     gap: Annotated[int, Integer(0, 1000, unit="blocks", usual=(0, 20), help="flat ground between tiles")] = 0
     border: Annotated[int, Integer(0, 1000, unit="blocks", usual=(0, 20), help="flat ground around all tiles")] = 10

@@ -8,6 +8,7 @@ rectangle is copied. The cost is checking and reading the rows, a tenth of a sec
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
@@ -86,7 +87,7 @@ class Matrix(Obstacle):
         replace(parameters(Obstacle)["levels"], help="number of levels; default: one more than the highest in rows"),
     ] = None  # type: ignore[assignment]  # an int from __post_init__ on
     rows: Annotated[
-        tuple[str, ...],
+        Sequence[str],
         Rows(help="levels of its cells, north up (the top row has the largest y); a dot leaves a cell unchanged"),
     ] = ("1",)
 

@@ -61,7 +61,7 @@ class Pallet(Filling):
     default_place: ClassVar[str] = "on every chunk"
 
     pattern: Annotated[
-        tuple[str, ...],
+        Sequence[str],
         ListOf(
             Choice(("flat", "hill", "diagonal")),
             help="flat: no ridge; hill: one across x; diagonal: one from corner to corner; "
@@ -75,9 +75,9 @@ class Pallet(Filling):
             help="random: both sides of the ridge are drawn; symmetric: one side mirrors the other",
         ),
     ] = "random"
-    turns: Annotated[
-        tuple[int, ...], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several alternate")
-    ] = (0,)
+    turns: Annotated[Sequence[int], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several alternate")] = (
+        0,
+    )
     step: Annotated[
         int,
         Integer(

@@ -8,6 +8,7 @@ per cell of the rectangle and its slopes. Later obstacles may cover a platform, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -28,7 +29,7 @@ class Platform(Sloped):
     also: ClassVar[tuple[str, ...]] = ("box", "block", "plateau")
 
     size: Annotated[
-        Cell, Size2D(help="cells along x and y if first and last do not give them, at most those of the map")
+        Sequence[int], Size2D(help="cells along x and y if first and last do not give them, at most those of the map")
     ] = (6, 6)
     level: Annotated[
         int | None,

@@ -10,6 +10,7 @@ sweeps over them, by the same calls for many maps.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Annotated, Any, ClassVar
@@ -75,10 +76,10 @@ class Random(Region):
     also: ClassVar[tuple[str, ...]] = ("rough", "uniform")
 
     weights: Annotated[
-        tuple[float, ...] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")
+        Sequence[float] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")
     ] = None
     counts: Annotated[
-        tuple[int, ...] | None,
+        Sequence[int] | None,
         Counts(help="exact number of blocks of each level, lowest first; they add up to the number of cells"),
     ] = None
     max_step: Annotated[

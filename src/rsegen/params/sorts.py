@@ -354,8 +354,8 @@ Cell = tuple[int, int]
 """x and y in block cells of the whole map, frames left out."""
 
 Coordinate = int | Literal["random"]
-Place = tuple[Coordinate, Coordinate]
-"""A cell of which a coordinate may be "random": it is then drawn for each map anew."""
+Place = Sequence[Coordinate]
+"""x and y of a cell, of which each may be "random": it is then drawn for each map anew."""
 
 ANYWHERE: Place = ("random", "random")
 

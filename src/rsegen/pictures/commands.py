@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import radians
@@ -48,7 +49,7 @@ class _Preview:
         Reference("KIND or FILE", help="robot to draw at rest on the map: its kind, or a file"),
     ] = None
     at: Annotated[
-        tuple[float, float, float] | None,
+        Sequence[float] | None,
         ListOf(Float(-1e6, 1e6), 3, help="where the robot is put down: x and y [m], and its heading [degrees]"),
         Shell(metavar="X,Y,HEADING", default="0,0,0"),
     ] = None

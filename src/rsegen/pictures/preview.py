@@ -266,7 +266,7 @@ def preview(
     *,
     outlines: bool = False,
     robot: Drawn | None = None,
-    at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    at: Sequence[float] = (0.0, 0.0, 0.0),
     paper: bool = False,
 ) -> bytes:
     """Draw the plan and a 3D view of a field or a scene; the file of a scene carries its recipe.

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
-from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
+from rsegen.params.sorts import MOST_LEVELS, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
 if TYPE_CHECKING:
     from rsegen.obstacles import Grid, Obstacle
 
-Difficulty = float | tuple[float, float] | tuple[float, float, int]
+Difficulty = float | Sequence[float]
 """Number for all maps; (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
 
 _SHARE, _STEPS = Float(0, 1), Integer(2, 1_000_000)
@@ -107,7 +107,7 @@ class MapDesign:
     chunk_size: Annotated[
         int, Integer(1, 1000, unit="blocks", usual=(4, 40), help="blocks along one side of a chunk (pallet)")
     ] = 10
-    chunks: Annotated[Cell, Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
+    chunks: Annotated[Sequence[int], Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
     unit_cm: Annotated[
         float, replace(_CENTIMETRES, help="unit of height; each block is a whole number of units high")
     ] = 10.0
@@ -144,7 +144,7 @@ class MapDesign:
         ),
     ] = None
     crossable_by: Annotated[
-        str | tuple[float, float, float] | None,
+        str | Sequence[float] | None,
         CrossableBySort(
             help="lower blocks for a way from west to east and one from south to north: a straight lane for a kind of "
             "robot, checked by its poses, or also by drives that cross so surely, as in crawler:0.9; or a path of "
@@ -161,7 +161,7 @@ class MapDesign:
         ),
     ] = 1.0
     inventory: Annotated[
-        tuple[int, ...] | None,
+        Sequence[int] | None,
         ListOf(
             Integer(0, 10**9),
             help="blocks in stock, of level 1, 2, ...; no others are used",
@@ -222,7 +222,7 @@ class MapDesign:
 
     def difficulties_of(self, indices: Sequence[int]) -> list[float]:
         """Return the difficulties of several maps: of a range a draw for each, or with steps the next in turn."""
-        if not isinstance(self.difficulty, tuple):
+        if isinstance(self.difficulty, float):
             return [self.difficulty] * len(indices)
         low, high, *steps = self.difficulty
         if steps:

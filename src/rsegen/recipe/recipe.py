@@ -96,7 +96,7 @@ class Representation:
     friction: Annotated[float, _FRICTION] = 1.0
     frame_friction: Annotated[float | None, replace(_FRICTION, help="friction of the frames, if different")] = None
     level_friction: Annotated[
-        tuple[float, ...] | None,
+        Sequence[float] | None,
         ListOf(_FRICTION, help="friction of blocks of level 1, 2, ...; higher levels have that of the map"),
     ] = None
     units: Annotated[
@@ -115,7 +115,7 @@ class Representation:
     sky: Annotated[bool, Flag(help="show a sky in the world")] = False
     frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
     level_colours: Annotated[
-        tuple[str, ...] | None,
+        Sequence[str] | None,
         ListOf(_COLOUR, help="colours of blocks of level 1, 2, ...; higher levels keep the default ones"),
     ] = None
 

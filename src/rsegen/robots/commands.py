@@ -38,7 +38,7 @@ def spots(  # noqa: PLR0913  # each is a flag
     robot: RobotModel = "burger",
     count: Annotated[int, Integer(1, 1000, usual=(1, 20), help="number of spots"), Shell(metavar="N")] = 1,
     size: Annotated[
-        tuple[float, float] | None,
+        Sequence[float] | None,
         ListOf(SIDE, 2, help="length and width of a robot, instead of --robot"),
         Shell(metavar="L,W"),
     ] = None,

@@ -99,7 +99,7 @@ least: no depth image is so narrow."""
 _NO_UNIT = ""
 """Unit of depths of 8 bits: up to 255 mm no camera measures, so they are in another unit, or shades for the eye."""
 
-Intrinsics = tuple[float, float, float, float]
+Intrinsics = Sequence[float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
 
 

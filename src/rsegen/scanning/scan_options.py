@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, ListOf, Size2D, Text, parameters, validate
+from rsegen.params.sorts import CENTIMETRES, Choice, Flag, Float, ListOf, Size2D, Text, parameters, validate
 from rsegen.recipe.map_design import MapDesign
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class ScanOptions:
         Choice(tuple(CENTIMETRES), help="unit of the cloud's numbers; default: m, and mm for depth images of integers"),
     ] = None
     intrinsics: Annotated[
-        tuple[float, float, float, float] | None,
+        Sequence[float] | None,
         ListOf(Float(-1e6, 1e6), 4, help="fx,fy,cx,cy of a depth image's camera, in pixels"),
     ] = None
     topic: Annotated[
@@ -55,7 +55,7 @@ class ScanOptions:
         ),
     ] = None
     size: Annotated[
-        Cell | None,
+        Sequence[int] | None,
         Size2D(
             help="blocks of the field along x and y, frames not counted; default: the rectangle of all that is raised"
         ),
@@ -83,7 +83,7 @@ class ScanOptions:
         return ScanSettings(
             block_width=self.block_width_cm / 100 if self.block_width_cm else None,
             unit=self.unit_cm / 100 if self.unit_cm else None,
-            blocks=self.size,
+            blocks=(self.size[0], self.size[1]) if self.size else None,
             boundary=self.boundary,
             chunk_size=self.chunk_size,
             up=_UPWARDS[self.up] if self.up else None,

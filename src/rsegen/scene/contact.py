@@ -7,7 +7,7 @@ and solimp; of equal ones MuJoCo takes the larger friction and condim.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -39,8 +39,8 @@ class Contact:
     ] = 3
     torsional: Annotated[float, Float(0, 1000, unit="m", help="friction against turning")] = 0.005
     rolling: Annotated[float, Float(0, 1000, unit="m", help="friction against rolling")] = 0.0001
-    solref: Annotated[tuple[float, ...], ListOf(Float(), 2, help="how stiff contacts are")] = (0.02, 1.0)
-    solimp: Annotated[tuple[float, ...], ListOf(Float(), 5, help="how hard contacts are")] = (
+    solref: Annotated[Sequence[float], ListOf(Float(), 2, help="how stiff contacts are")] = (0.02, 1.0)
+    solimp: Annotated[Sequence[float], ListOf(Float(), 5, help="how hard contacts are")] = (
         0.9,
         0.95,
         0.001,
@@ -66,8 +66,8 @@ class Contact:
             "priority": (self.priority,),
             "friction": self.frictions(sliding),
             "solmix": (1,),
-            "solref": self.solref,
-            "solimp": self.solimp,
+            "solref": tuple(self.solref),
+            "solimp": tuple(self.solimp),
             "margin": (0,),
             "gap": (0,),
         }
