@@ -125,6 +125,8 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
         ["the aliases up to 'r' stand for more than 4 MiB"],
     ),
     "a number to the base of 60": (f"seed: 1{':1' * 200_000}\n", ["seed: '1:1", "is not a whole number"]),
+    "a number with an exponent as a name": ("name: 1e3\n", ["name: invalid value 1000"]),
+    "a number that is too large": ("unit_cm: 1e999\n", ["unit_cm: inf is not a finite number"]),
     "a time of day": ("unit_cm: 1:30\n", ["unit_cm: '1:30' is not a number"]),
     "a mapping with the tag of a number": ("name: !!int {a: 1}\n", ["not YAML: expected a scalar node"]),
     "a number in base 8": ("seed: 010\n", [":1: '010' is a number in base 8 in YAML 1.1", "without the 0 in front"]),

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 
 import rsegen
 from rsegen import Random, Recipe, build
+from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.recipe.codec import decode, encode, schema, to_json
 from rsegen.recipe.map_design import MapDesign
@@ -61,6 +62,26 @@ def test_yaml_and_json_mean_the_same(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(to_yaml(recipe))
     (tmp_path / "a.json").write_text(to_json(recipe))
     assert rsegen.load(tmp_path / "a.yaml") == rsegen.load(tmp_path / "a.json") == recipe
+
+
+@pytest.mark.parametrize("number", ["1e3", "1.0e+3", "1E+3", "+1.e3", "10000.0e-1"])
+def test_a_number_with_an_exponent_is_one_in_files_and_flags(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], number: str
+) -> None:
+    (tmp_path / "a.yaml").write_text(f"unit_cm: {number}\nmaps: {number}\nseed: 1\n")
+    recipe = rsegen.load(tmp_path / "a.yaml")
+    assert recipe == Recipe(seed=1, unit_cm=1000, maps=1000)
+    (tmp_path / "empty.yaml").write_text("seed: 1\n")
+    assert main(["info", str(tmp_path / "empty.yaml"), f"--unit-cm={number}", "--json"]) == 0
+    assert '"unit_cm": 1000' in capsys.readouterr().out
+
+
+def test_texts_that_look_like_numbers_are_quoted_in_yaml(tmp_path: Path) -> None:
+    recipe = Recipe(seed=3, name="1e3", obstacles=[rsegen.Peak(levels=5, key="1.5E3")])
+    text = to_yaml(recipe)
+    assert "name: '1e3'" in text
+    (tmp_path / "a.yaml").write_text(text)
+    assert rsegen.load(tmp_path / "a.yaml") == recipe
 
 
 def test_a_recipe_without_a_seed_gets_one_that_its_file_keeps() -> None:

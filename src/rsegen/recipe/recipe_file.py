@@ -133,8 +133,11 @@ def to_yaml(recipe: Recipe) -> str:
     """Return the recipe as the text of a YAML file, obstacles with the keys that they were given."""
     import yaml
 
-    text: str = yaml.safe_dump(
-        encode(recipe, derived_keys=False), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120
+    from rsegen.recipe.yaml_loader import Dumper
+
+    content = encode(recipe, derived_keys=False)
+    text: str = yaml.dump(
+        content, Dumper=Dumper, sort_keys=False, default_flow_style=None, allow_unicode=True, width=120
     )
     return text
 

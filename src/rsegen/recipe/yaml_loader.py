@@ -1,4 +1,7 @@
-"""A loader of YAML that refuses what PyYAML accepts, so that its work is bounded by the length of the text."""
+"""A loader of YAML that refuses what PyYAML accepts, so that its work is bounded by the length of the text.
+
+1e3 is a number, as in YAML 1.2, JSON and flags; in YAML 1.1, which PyYAML has, it is a text.
+"""
 
 from __future__ import annotations
 
@@ -85,6 +88,15 @@ class Loader(yaml.SafeLoader):
     def _at(self, marked: Any) -> str:
         return f"{self._path}:{marked.start_mark.line + 1}"
 
+
+class Dumper(yaml.SafeDumper):
+    """Writes what the `Loader` reads: a text that it would take for a number is quoted."""
+
+
+_WITH_EXPONENT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+\Z")
+
+for _class in (Loader, Dumper):
+    _class.add_implicit_resolver("tag:yaml.org,2002:float", _WITH_EXPONENT, list("-+.0123456789"))
 
 _OCTAL = re.compile("[-+]?0[0-7]*[1-7][0-7]*")
 
