@@ -125,8 +125,8 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the figures as lines of Markdown."""
     found = [Made(**one) for one in record["maps"]]
     yield (
-        "| asked | maps | of which no room was enough | told, mean of the worse way | drives that crossed | mean step "
-        "on the ways, and beside them, units | blocks lowered | room to spare | CPU seconds |"
+        "| asked | maps | of which no room was enough | predicted, mean of the worse way | drives that crossed "
+        "| mean step on the ways, and off them, units | blocks lowered | room to spare | CPU seconds |"
     )
     yield "|---" * 9 + "|"
     for asked in dict.fromkeys(one.asked for one in found):

@@ -127,7 +127,7 @@ def page(record: Mapping[str, Any]) -> str:
 _INTRODUCTION = (
     "# Busy machines",
     "",
-    "Commands for Gazebo Classic beside programs that do nothing but compete for the processors: how many of",
+    "Commands for Gazebo Classic while other programs do nothing but compete for the processors: how many of",
     f"{TRIES} fail, and the median of their seconds. `open` loads `mixed-course`, waits for its clock, and ends a",
     "second later; `drive` simulates a second; `spawn`, `respawn` and `remove` change a running server. A simulator is",
     "waited for as long as it makes progress ([how](algorithms.md)); `--timeout`, 20 s by default, says how long",

@@ -104,7 +104,7 @@ class RosStack:
         return info["is_across"]
 
     def command_at(self, data) -> tuple[float, float]:
-        """Say where the robot is, and return what it is told, m/s and rad/s: the world waits for the answer."""
+        """Say where the robot is, and return its command, m/s and rad/s: the world waits for the answer."""
         stamp = Time(int(data.time), int(data.time % 1 * 1e9))
         x, y, z, qw, qx, qy, qz = data.qpos[:7]
         yaw = 2 * atan2(qz, qw)

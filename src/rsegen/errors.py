@@ -227,7 +227,7 @@ _HOW_MADE = {
     "Scene": "scene, which rsegen.compose makes of a recipe",
     "StepField": "field, which rsegen.build makes of a recipe",
 }
-"""What the values are called that functions in Python take, and how they are made, by their classes."""
+"""By class: the name of the values that functions in Python take, and the calls that make them."""
 
 
 def refuse_other(where: str, value: object, *kinds: type) -> None:

@@ -1,6 +1,6 @@
 """Robots driven over a world in a simulator, and the record of their poses and contacts.
 
-The world stands still while the routes of all robots decide at their poses; then each gets its command, the world steps
+The world is paused while the routes of all robots decide at their poses; then each gets its command, the world steps
 for a period, and contacts are sampled. So the machine's speed decides nothing: the same runs, world and simulator give
 the same trajectories. An embedded simulator keeps a record every 0.05 s, and counts contacts at every step. Poses of a
 server come from its own record, or from the robots' plug-ins. In a batch of worlds routes decide one after the other.

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from rsegen.errors import FileError
 from rsegen.input_files import regular_content
+from rsegen.params.sorts import CENTIMETRES
 
 IN_METRES = "gdalwarp -t_srs {} FILE NEW.tif"
 """The command that projects a map of ground."""
@@ -48,12 +49,15 @@ _GEOGRAPHIC, _DOUBLES = 2, 34736
 """The type of a system of longitudes and latitudes, and the tag with the values of keys that are no integers."""
 
 _METRE = 9001
+_OTHER_NAMES: Mapping[str, Sequence[int | str]] = {
+    "m": (_METRE, "metre", "meter", "metres", "meters"),
+    "ft": (9002, "foot", "feet"),
+    "cm": ("centimetre",),
+    "mm": ("millimetre",),
+}
 METRES: Mapping[int | str, float] = {
-    **dict.fromkeys((_METRE, "m", "metre", "meter", "metres", "meters"), 1.0),
-    **dict.fromkeys((9002, "ft", "foot", "feet"), 0.3048),
+    **{name: CENTIMETRES[unit] / 100 for unit, others in _OTHER_NAMES.items() for name in (unit, *others)},
     **dict.fromkeys((9003, "us survey foot", "us-ft", "ftus"), 1200 / 3937),
-    **dict.fromkeys(("cm", "centimetre"), 0.01),
-    **dict.fromkeys(("mm", "millimetre"), 0.001),
 }
 """Metres of units by their codes of EPSG, and by their names in GDAL's metadata and in Esri's files."""
 

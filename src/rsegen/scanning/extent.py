@@ -2,7 +2,7 @@
 
 Three cases. Nothing is known: the rectangle around the largest group of raised cells. The size is known: the rectangle
 of that size with the most raised cells. The map is known: the place and the quarter turn at which most heights agree.
-A side is open if hardly a cell next to it was seen, neither of the floor nor of a block: the field may go on there, so
+A side is open if almost no cell next to it was seen, neither of the floor nor of a block: the field may go on there, so
 the rectangle may be a row larger if that makes frames complete. Chunk sizes are tried until all cells of their frames
 have one height:
 

@@ -54,7 +54,7 @@ class Scan:
     strays: share of its points that are more than half a unit off it, 0 to 1.
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
     frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
-    open_sides: sides next to which hardly a cell was seen, so that the field may be larger; none with frames or a size.
+    open_sides: sides next to which almost no cell was seen, so the field may be larger; none with frames or a size.
     rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
     """
 

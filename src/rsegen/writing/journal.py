@@ -182,7 +182,7 @@ class OpenJournal:
     def announced(self, files: Mapping[str, Checksum], holds: str) -> Iterator[None]:
         """Append a line for each of these files first; if what is done inside fails, they are cut off again.
 
-        They stay if files could not be put back, which would be nobody's else: each may be old or new.
+        They stay if files could not be put back: each may then be old or new, and is known as rsegen's.
         """
         size, content = self._size, self.begin(holds)
         self._append(files)
