@@ -166,6 +166,7 @@ class Parser(argparse.ArgumentParser):
         self.groups: list[Group] = []
         self._own: list[argparse.Action] = []
         self._rows: list[Rows] = []
+        self._more: Callable[[], str] = str
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         # As Python has it from 3.14 on: what begins with a negative number is no flag, such as -1,0 and -1e-3.
         self._negative_number_matcher = re.compile(r"-\.?\d")
@@ -193,9 +194,12 @@ class Parser(argparse.ArgumentParser):
         """The action of every flag, by the flag."""
         return {flag: action for action in self.actions for flag in action.option_strings}
 
-    def explain(self, text: str | None, epilog: str = "") -> None:
-        """Set what the help says first, which is the first line of a docstring, and what it says last."""
-        self.description, self.epilog = (text or "").partition("\n")[0], epilog
+    def explain(self, text: str | None, epilog: str = "", more: Callable[[], str] = str) -> None:
+        """Set what the help says first, which is the first line of a docstring, and what it says last.
+
+        more: the rest of the epilog, made only if the help is shown
+        """
+        self.description, self.epilog, self._more = (text or "").partition("\n")[0], epilog, more
 
     def add_rows(self, title: str, rows: Callable[[], Iterable[tuple[str, str]]]) -> None:
         """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
@@ -228,7 +232,7 @@ class Parser(argparse.ArgumentParser):
             formatter.add_text(text)
             formatter.add_arguments(actions)
             formatter.end_section()
-        formatter.add_text(self.epilog)
+        formatter.add_text(" ".join(filter(None, (self.epilog, self._more()))))
         return formatter.format_help()
 
     def print_help(self, file: Any = None) -> None:

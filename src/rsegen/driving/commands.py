@@ -310,7 +310,7 @@ class _Picture:
 
 def add_predict(command: Parser) -> None:
     """Add the flags of `rsegen predict`."""
-    command.explain(predict.__doc__, f"docs/certainty.md says how often it is right. {robot_kinds()}")
+    command.explain(predict.__doc__, "docs/certainty.md says how often it is right.", robot_kinds)
     add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=WORLD)
     add_flags(command.group("prediction"), predict)
     add_flags(command.group("output"), _Picture)
@@ -341,9 +341,9 @@ def add_drive(command: Parser) -> None:
     """Add the flags of `rsegen drive`."""
     epilog = (
         "The burger, the default robot, cannot cross frames; the crawler can. --boundary none makes maps without them. "
-        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also the seed of the map. "
+        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also the seed of the map."
     )
-    command.explain(drive.__doc__, epilog + robot_kinds())
+    command.explain(drive.__doc__, epilog, robot_kinds)
     add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=WORLD)
     add_flags(command.group("drive"), drive)
     add_target_recipe_flags(command, ("seed", *OWN_FLAGS))
@@ -367,8 +367,8 @@ def run_drive(arguments: argparse.Namespace) -> Report:
 
 def add_drives(command: Parser) -> None:
     """Add the flags of `rsegen drives`."""
-    epilog = "rsegen drive RECIPE --map INDEX drives one of them again, to look at it. " + robot_kinds()
-    command.explain(drive_many.__doc__, epilog)
+    epilog = "rsegen drive RECIPE --map INDEX drives one of them again, to look at it."
+    command.explain(drive_many.__doc__, epilog, robot_kinds)
     add_input(command)
     add_flags(command.group("drive"), drive_many)
     add_recipe_flags(command, without=OWN_FLAGS)

@@ -66,7 +66,7 @@ def add_metrics(command: Parser) -> None:
         "crossed. With a robot, also the area that it can reach, and its ways across, judged by its poses; with limits "
         "of steps, judged by cells."
     )
-    command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
+    command.explain(text, "docs/metrics.md has every formula.", robot_kinds)
     add_target_flags(command, "all")
     group = command.group("robot", "a robot, judged pose by pose: where it stands, tips over or gets stuck")
     add_flags(group, _Options, only=["robot", "verify"])

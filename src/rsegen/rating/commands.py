@@ -180,9 +180,9 @@ def add_rate(command: Parser) -> None:
     """Add the flags of `rsegen rate`."""
     epilog = (
         "The folder gets rating.json, trials.csv, rating.png and recipe.json; rating.json has the command that drives "
-        "each trial again. The same command continues a stopped rating, or narrows its interval. "
+        "each trial again. The same command continues a stopped rating, or narrows its interval."
     )
-    command.explain(rate.__doc__, epilog + robot_kinds())
+    command.explain(rate.__doc__, epilog, robot_kinds)
     model = declared(rate)["robot"]
     kinds: Any = command.add_argument("robot", metavar="ROBOT", help=model.help)
     kinds.declared = model  # for forms

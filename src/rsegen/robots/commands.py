@@ -94,7 +94,7 @@ class _Outlines:
 def add_spots(command: Parser) -> None:
     """Add the flags of `rsegen spots`."""
     epilog = "rsegen drive --route random with the same seed starts there."
-    command.explain(spots.__doc__, f"{epilog} {robot_kinds()}")
+    command.explain(spots.__doc__, epilog, robot_kinds)
     add_target_flags(command)
     add_flags(command.group("spots"), spots, without=["map"])
     add_flags(command.group("output"), _Outlines)

@@ -196,9 +196,9 @@ def add_spawn(command: Parser) -> None:
     """Add the flags of `rsegen spawn`."""
     epilog = (
         "rsegen open, in another shell, starts a simulation; one of another program is found by GAZEBO_MASTER_URI or "
-        "GZ_PARTITION, or at the default addresses. "
+        "GZ_PARTITION, or at the default addresses."
     )
-    command.explain(spawn.__doc__, epilog + robot_kinds())
+    command.explain(spawn.__doc__, epilog, robot_kinds)
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF, Xacro or MJCF file of a robot"
     add_input(command, where, name="target", metavar="DIR-or-RECIPE-or-ROBOT")
     add_flags(command.group("spawn"), spawn)
