@@ -21,12 +21,13 @@ from rsegen.formats.base import FORMATS
 from rsegen.gazebo import export
 from rsegen.pictures.preview import preview
 from rsegen.scene.colours import Colour
-from rsegen.scene.scene import FRAME_COLOUR, level_colour
+from rsegen.scene.scene import FRAME_COLOUR
 
 PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Random(levels=4),))
 PAINTED = replace(PLAIN, frame_colour="#336699", level_colours=("#ff0000", "#00FF33"))
 OWN: dict[int, Colour] = {0: (0.2, 0.4, 0.6), 1: (1.0, 0.0, 0.0), 2: (0.0, 1.0, 0.2)}
-GONE = {FRAME_COLOUR, level_colour(1, 3), level_colour(2, 3)}
+USUAL: dict[int, Colour] = {0: FRAME_COLOUR, 1: (0.18, 0.45, 0.55), 2: (0.353, 0.683, 0.437), 3: (0.93, 0.85, 0.3)}
+GONE = {USUAL[material] for material in OWN}
 
 
 def made(scene: Scene) -> dict[str, str]:
@@ -35,8 +36,8 @@ def made(scene: Scene) -> dict[str, str]:
 
 def test_levels_beyond_the_list_keep_the_colours_that_they_have_anyway() -> None:
     scene = compose(PAINTED)
-    assert {material: scene.colour(material) for material in range(4)} == {**OWN, 3: level_colour(3, 3)}
-    assert {compose(PLAIN).colour(material) for material in range(3)} == GONE
+    assert {material: scene.colour(material) for material in range(4)} == USUAL | OWN
+    assert {material: compose(PLAIN).colour(material) for material in range(4)} == USUAL
 
 
 def test_gazebo_is_given_them_and_nothing_else_has_changed() -> None:

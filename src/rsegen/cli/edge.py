@@ -158,10 +158,9 @@ _ONE_STOP = 1.0
 class Signals:
     """The signals that stop a command: whether one came, and its number."""
 
-    def __init__(self) -> None:
-        self.number: int = signal.SIGINT
-        self.came = False
-        self._first = 0.0
+    number: int = signal.SIGINT
+    came = False
+    _first = 0.0
 
     @contextmanager
     def stop_it(self) -> Iterator[None]:

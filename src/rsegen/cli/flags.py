@@ -76,7 +76,10 @@ def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) ->
 
     without: flags that are the command's own
     """
-    return recipes_from([] if arguments.recipe is None else [arguments.recipe], _without(arguments, without))[0]
+    from rsegen.recipe.recipe_file import named_recipe
+
+    start = Recipe() if arguments.recipe is None else named_recipe(arguments.recipe)
+    return with_flags(start, _without(arguments, without) if without else arguments)
 
 
 def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Namespace:

@@ -30,7 +30,7 @@ from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
-from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose, placed_by
+from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17
@@ -162,8 +162,8 @@ class _InManyMaps:
             self._impose(levels, obstacle.patches_drawn(self._grid, ends, streams))
         else:
             for own, rng in zip(levels, streams.generators(), strict=True):
-                *_, patch = placed_by(self._grid, obstacle, rng)
-                self._impose(own, patch)
+                first, last = obstacle.ends(self._grid, *obstacle.wanted_ends(self._grid), rng)
+                self._impose(own, obstacle.patch(self._grid, first, last, rng))
 
     def _impose(self, levels: Any, patch: Patch) -> None:
         patch = patch._replace(levels=asarray(patch.levels, levels), footprint=asarray(patch.footprint, levels))

@@ -1,6 +1,6 @@
 """Build the step field of a map: the obstacles in their order, the difficulty, the frames, the constraints.
 
-    obstacles --placed_by--> patches --impose, in their order--> levels --scaled, framed, constrained--> StepField
+    obstacles --placed--> patches --impose, in their order--> levels --scaled, framed, constrained--> StepField
 
 Each obstacle proposes levels once, with a random generator of its own, and its `blend` combines them with those below.
 Up to the difficulty, levels count from the ground, and are negative in pits; then `ground_level` is added to all.
@@ -71,7 +71,9 @@ def blocks(recipe: MapDesign, index: int) -> Levels:
 
 def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cell, Patch]:
     """Return the cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
-    return placed_by(recipe.grid, obstacle, generator(recipe.seed, index, obstacle.key or ""))
+    rng = generator(recipe.seed, index, obstacle.key or "")
+    first, last = obstacle.ends(recipe.grid, *obstacle.wanted_ends(recipe.grid), rng)
+    return first, last, obstacle.patch(recipe.grid, first, last, rng)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -201,12 +203,6 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
     except (MemoryError, OverflowError, ValueError):
         what = "chunks: a map" if maps is None else f"indices: {maps:,} maps"
         raise TooLarge(f"{what} of {grid.n_x} x {grid.n_y} blocks would exceed this machine's memory") from None
-
-
-def placed_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
-    """Return the cells of both ends of an obstacle, and the levels that it proposes there, drawn by a generator."""
-    first, last = obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
-    return first, last, obstacle.patch(grid, first, last, rng)
 
 
 def impose(levels: Any, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:

@@ -40,11 +40,6 @@ class Run:
     maps: Annotated[int, Integer(1, help="number of maps to generate")] = 1
     first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first map")] = 0
 
-    def _check_run(self) -> None:
-        """Raise a ParameterError if the last index is too large."""
-        if self.first_map + self.maps > SEEDS:
-            raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
-
     @property
     def indices(self) -> range:
         """Indices of the maps of this run."""
@@ -156,7 +151,8 @@ class Recipe(Representation, MapDesign, Run):
 
     def __post_init__(self) -> None:
         validate(self)
-        self._check_run()
+        if self.first_map + self.maps > SEEDS:
+            raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
         self._check_representation()
         self.check_design()
 

@@ -84,8 +84,11 @@ class Scene:
 
     def colour(self, material: int) -> Colour:
         """Return the colour of a material in worlds: 0 is the frame, any other number a level."""
-        default = level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
-        return self._given_colour(material) or default
+        if (given := self._given_colour(material)) or not material:
+            return given or FRAME_COLOUR
+        # Above the top level, as of blocks of an inventory, all have its colour.
+        share = min(material / max(self.recipe.top_level, 1), 1)
+        return rounded_colour(ramp_colour(_LOW_TO_HIGH, share))
 
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material in plans: a level has that of its height, unless the recipe gives one."""
@@ -156,11 +159,6 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
         The map.
     """
     return Scene(recipe=recipe, index=index, field=build(recipe, index))
-
-
-def level_colour(level: int, top_level: int) -> Colour:
-    """Return the default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
-    return rounded_colour(ramp_colour(_LOW_TO_HIGH, min(level / max(top_level, 1), 1)))
 
 
 def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
