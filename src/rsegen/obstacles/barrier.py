@@ -18,7 +18,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
-from rsegen.obstacles.base import Grid, Obstacle, Sloped, elementwise, ends_of_one, register
+from rsegen.obstacles.base import Grid, Obstacle, Sloped, elementwise, register
+from rsegen.obstacles.ends import ends_of_one
 from rsegen.params.sorts import ANYWHERE, Cell, Place
 from rsegen.params.streams import randint
 

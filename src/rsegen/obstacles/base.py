@@ -14,7 +14,7 @@ of a kind that `draws_nothing`. Layouts draw the numbers of all maps with rectan
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -24,7 +24,7 @@ import numpy as np
 
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
-from rsegen.params.arrays import greatest, least, where
+from rsegen.obstacles.ends import square_ends
 from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import (
     ANYWHERE,
@@ -32,7 +32,6 @@ from rsegen.params.sorts import (
     Cell,
     CellRef,
     Choice,
-    Coordinate,
     Flag,
     Float,
     Integer,
@@ -495,51 +494,3 @@ KINDS: Registry[type[Obstacle]] = Registry(
 
 register = KINDS.register
 """Decorator of an obstacle class, which is known by the name of its kind then."""
-
-
-def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
-    """Return both coordinates on one axis of `cells` cells, `span` cells apart if at least one of them is random."""
-    if first == "random" and last == "random":
-        low = randint(rng, 0, cells - 1 - span)
-        return low, low + span
-    if first == "random":
-        return _at_distance(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
-    if last == "random":
-        return first, _at_distance(first, span, cells)
-    return first, last
-
-
-def ends_of_size(grid: Grid, first: Place, last: Place, size: Cell, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """Return ends; random ones make a rectangle of this size, in cells, inside the map."""
-    (x1, x2), (y1, y2) = (
-        random_ends(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, size, grid.shape, strict=True)
-    )
-    return (x1, y1), (x2, y2)
-
-
-def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
-    given = [abs(a - b) + 1 for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-    side = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size)
-    return ends_of_size(grid, first, last, (least(side, grid.n_x), least(side, grid.n_y)), rng)
-
-
-def _at_distance(at: int, span: int, cells: int) -> int:
-    """Return the coordinate `span` cells further, or back if that is outside the map; always on the map."""
-    return where(at + span < cells, at + span, greatest(at - span, 0))  # type: ignore[no-any-return]  # as its arguments
-
-
-def ends_of_one(
-    options: Sequence[Callable[[np.random.Generator], tuple[Cell, Cell]]], rng: np.random.Generator
-) -> tuple[Cell, Cell]:
-    """Return the ends that one of several functions gives, each with equal probability; nothing is drawn after them."""
-    drawn = randint(rng, 0, len(options) - 1)
-    if len(options) == 1:
-        return options[0](rng)
-    if not isinstance(rng, Streams):
-        return options[drawn](rng)
-    ends = [option(rng.copy()) for option in options]  # type: ignore[arg-type]  # streams in place of a generator
-    return tuple(
-        tuple(np.select([drawn == option for option in range(len(ends))], at) for at in zip(*end, strict=True))
-        for end in zip(*ends, strict=True)
-    )  # type: ignore[return-value]  # two ends of two arrays

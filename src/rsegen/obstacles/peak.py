@@ -15,7 +15,8 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.obstacles.base import Grid, Shaped, elementwise, register, square_ends
+from rsegen.obstacles.base import Grid, Shaped, elementwise, register
+from rsegen.obstacles.ends import square_ends
 from rsegen.params.sorts import Cell, Place
 
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
-from rsegen.obstacles.base import Grid, Obstacle, Sloped, elementwise, ends_of_size, register
+from rsegen.obstacles.base import Grid, Obstacle, Sloped, elementwise, register
+from rsegen.obstacles.ends import ends_of_size
 from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
 
