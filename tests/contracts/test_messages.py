@@ -32,7 +32,7 @@ COMMAND_LINES = {
     "formats/heightmap.py": "a command line that reads the image again, to be copied",
     "build_sheets/overview.py": "a printed page",
     "build_sheets/timber.py": "a printed page",
-    "page/forms.py": "command lines that the page runs",
+    "page/command_forms.py": "command lines that the page runs",
     "page/runs.py": "command lines that the page runs",
     "page/model/texts.py": "the command line of a recipe, to be copied",
     "rating/rating.py": "command lines that drive a trial again, to be copied",

@@ -18,7 +18,7 @@ from unittest.mock import patch
 from urllib.parse import quote
 
 from rsegen.page import calls
-from rsegen.page.forms import command_forms
+from rsegen.page.command_forms import command_forms
 from rsegen.page.host import Host
 from rsegen.page.jobs import JobRun, Jobs
 from rsegen.page.model.actions import actions

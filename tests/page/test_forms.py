@@ -16,7 +16,9 @@ from rsegen.cli.parser import parser_of
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import row_parameters
-from rsegen.page.forms import CommandForm, Field, command_form, command_forms, global_groups, hello, kinds
+from rsegen.page.command_forms import CommandForm, command_form, command_forms
+from rsegen.page.forms import Field, global_groups, kinds
+from rsegen.page.hello import hello
 from rsegen.page.host import Host
 from rsegen.page.places import Places
 from rsegen.params.capabilities import GROUPS

@@ -24,7 +24,7 @@ from typing import NamedTuple, TypedDict
 
 from rsegen.errors import ParameterError, UserError
 from rsegen.page.calls import Question, call_of_host
-from rsegen.page.forms import CommandForm, command_form
+from rsegen.page.command_forms import CommandForm, command_form
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.model.document import Document
