@@ -20,8 +20,8 @@ from PIL import Image
 
 import rsegen
 from rsegen import Recipe
+from rsegen.page.documents import open as open_document
 from rsegen.page.host import Host
-from rsegen.page.host import open as open_document
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.browser import chromium, resize, screenshot

@@ -19,7 +19,7 @@ import pytest
 import rsegen
 from rsegen import Peak, Random, Recipe, load
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import host as calls
+from rsegen.page import documents as calls
 from rsegen.page.calls import Question
 from rsegen.page.host import MOST_DOCUMENTS, Host, Opened
 from rsegen.page.model.session import Session
@@ -233,7 +233,7 @@ def test_a_draft_is_on_disk_as_long_as_it_is_not_in_its_file(host: Host, opened:
 _EDITOR = """
 import os, signal, sys
 from pathlib import Path
-from rsegen.page import host as calls
+from rsegen.page import documents as calls
 from rsegen.page.host import Host
 
 host = Host(folder=Path(sys.argv[1]))

@@ -12,7 +12,7 @@ import pytest
 import rsegen
 from rsegen.driving import page as playback
 from rsegen.errors import FileError
-from rsegen.page import host as hosting
+from rsegen.page import documents as hosting
 from rsegen.page import places, scenes
 from rsegen.page.host import Host
 

@@ -17,7 +17,7 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import host as hosting
+from rsegen.page import documents as hosting
 from rsegen.page import jobs, runs, scenes
 from rsegen.page.calls import Question
 from rsegen.page.host import Host

@@ -17,7 +17,7 @@ from rsegen.driving import page as drives
 from rsegen.driving.planning import predictions
 from rsegen.driving.prediction import Prediction
 from rsegen.errors import ParameterError, UnknownName, UserError
-from rsegen.page import host as hosting
+from rsegen.page import documents as hosting
 from rsegen.page.hello import hello
 from rsegen.page.host import Host, Listener
 from rsegen.page.model.session import Session

@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.gazebo.constraint_report import constraint_report, describe_constraints
 from rsegen.gazebo.map_summary import costs
-from rsegen.page import host as calls
+from rsegen.page import documents as calls
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.session import Session
 from rsegen.page.scenes import COUNTED, ghost, maps, results, scene, variants

@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.input_files import JOURNAL
-from rsegen.page import host as hosting
+from rsegen.page import documents as hosting
 from rsegen.page.host import Host
 from rsegen.rating.page import drive_trial, rating
 from rsegen.rating.rating import Rating

@@ -14,7 +14,7 @@ from selenium.webdriver.common.keys import Keys
 
 from rsegen.driving import page as playback
 from rsegen.gazebo import sdf
-from rsegen.page import host as hosting
+from rsegen.page import documents as hosting
 from rsegen.page import runs
 from rsegen.page.host import Host
 from rsegen.page.service import Service

@@ -61,8 +61,9 @@ def add_gui(command: Parser) -> None:
 
 def run_gui(arguments: argparse.Namespace) -> None:
     """Serve the page until it is closed, or the command is stopped."""
-    from rsegen.page.host import Host, OpenedDocument
-    from rsegen.page.host import open as open_document
+    from rsegen.page.documents import OpenedDocument
+    from rsegen.page.documents import open as open_document
+    from rsegen.page.host import Host
     from rsegen.page.model.session import Session
     from rsegen.page.service import Service
 

@@ -1,12 +1,12 @@
 """The host of all documents that pages have open: recipes that are edited, each with its history and its file.
 
-Two pages on one file share its document. Calls run in threads; of one document one at a time, under its lock, but for
-those that only read. What changes is sent to all pages of the document, as events.
+Two pages on one file share its document; `documents.py` has the calls that open, edit and save them. Calls run in
+threads; of one document one at a time, under its lock, but for those that only read. What changes is sent to all pages
+of the document, as events.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections import OrderedDict
@@ -20,19 +20,13 @@ from tempfile import TemporaryDirectory
 from threading import Lock, RLock
 from typing import Any, Literal, TypedDict
 
-from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_you_mean
-from rsegen.input_files import regular_content
-from rsegen.page.calls import call_of_document, call_of_host
+from rsegen.errors import ParameterError, TooLarge, UserError
 from rsegen.page.jobs import Jobs, JobValues
-from rsegen.page.model.actions import Action, Ends, act, ends_of
-from rsegen.page.model.document import Document, DraftFile, session_of_file
+from rsegen.page.model.actions import Ends, ends_of
+from rsegen.page.model.document import Document, DraftFile
 from rsegen.page.model.session import Entry, Session, is_enabled
-from rsegen.page.model.texts import command_line, python_code, text_after
-from rsegen.page.places import Kind, Places, kind_of, names_in
+from rsegen.page.places import Places
 from rsegen.params.sorts import Json
-from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe_file import recipe_in
-from rsegen.writing.targets import recipe_files
 
 
 class Row(TypedDict):
@@ -80,42 +74,6 @@ class State(TypedDict):
     recovered: str | None  # changes of a session that ended without saving were brought back: when
     journal: str  # why changes would be lost in a crash, such as a full disk; empty: they would not
     pages: int  # that have it open
-
-
-class EditedState(State):
-    """The state after a change."""
-
-    selected: int  # the row that the last action was about; -1: none
-
-
-class OpenedDocument(TypedDict):
-    """The id of a document, and the folder of the drive that plays over it, if a drive was opened; else empty."""
-
-    doc: str
-    play: str
-
-
-class ListedFile(TypedDict):
-    """A file or folder, as a list of files has it."""
-
-    name: str
-    path: str
-    kind: Kind
-
-
-class Listing(TypedDict):
-    """The content of a folder."""
-
-    folder: str
-    entries: list[ListedFile]
-
-
-class Texts(TypedDict):
-    """A document as YAML or JSON, as Python, and as a command line."""
-
-    recipe: str
-    python: str
-    shell: str
 
 
 Search = Literal["tilt", "reach", "crossing", "way", "measure", "variants"]
@@ -369,109 +327,6 @@ class Host:
         opened = Opened(id=f"d{next(self._ids)}-{self._own}", document=document, home=self.folder.resolve())
         self.documents[opened.id] = opened
         return opened
-
-
-@call_of_host
-def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
-    """Open a new recipe, a file, an example, a map of a data set, or a drive with its map."""
-    if not what:
-        return {"doc": host.open(Session.of()).id, "play": ""}
-    name, sharp, number = what.rpartition("#")
-    path = host.places.inside(name if sharp and number.isdecimal() else what)
-    if sharp and number.isdecimal():
-        opened = host.open(Session.of(recipe_in(f"{path}#{number}")), what)
-        opened.what = what
-        opened.data_set = {"folder": name, "place": int(number), "maps": _maps_in(path)}
-        return {"doc": opened.id, "play": ""}
-    is_example = what in EXAMPLES and not path.exists()
-    if not is_example and not path.exists():
-        raise FileError(
-            f"{what}: neither a file in {host.folder} nor the name of an example{did_you_mean(what, EXAMPLES)}"
-        )
-    file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
-    if file.is_relative_to(host.folder.resolve()):
-        play = str(host.places.relative(file.parent)) if (file.parent / "drive.json").is_file() else ""
-        return {"doc": host.open_file(file).id, "play": play}
-    title = f"copy of {what if is_example else file.name}"
-    opened = host.open(session_of_file(file), title, file.read_text("utf-8"))
-    opened.what = what if is_example else ""
-    return {"doc": opened.id, "play": ""}
-
-
-def _maps_in(data_set: Path) -> int:
-    """Return the number of maps of a data set whose manifest has been read without complaint."""
-    manifest = regular_content(data_set / "manifest.json", _MOST_MANIFEST)
-    return int(json.loads(manifest or b"{}").get("maps", 0))
-
-
-_MOST_MANIFEST = 2**26
-"""Bytes of a manifest at most: some hundred for each of up to a hundred thousand files of maps."""
-
-
-@call_of_host
-def files(host: Host, *, folder: str = "") -> Listing:
-    """List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files."""
-    place = host.places.inside(folder)
-    below = host.places.relative(place)
-    entries: list[ListedFile] = [
-        {"name": name, "path": str(below / name), "kind": kind_of(place / name)} for name in names_in(place)
-    ]
-    return {"folder": "" if below == Path() else str(below), "entries": entries}
-
-
-@call_of_document
-def state(opened: Opened, *, page: str = "", index: int | None = None) -> State:
-    """Return all that pages show of a document; index: the map that the page shows."""
-    return state_of(opened, opened.index_of(page, index))
-
-
-@call_of_document
-def edit(opened: Opened, *, actions: list[Action], page: str = "", index: int | None = None) -> EditedState:
-    """Change a document by some actions, all or none of them, and return its state and the row to select."""
-    selected = act(opened.session, actions, opened.index_of(page, index, or_first=True))
-    return {**state_of(opened, opened.index_of(page, index, or_first=True)), "selected": selected}
-
-
-@call_of_document
-def reload(opened: Opened, *, page: str = "") -> State:
-    """Take over what is in the file."""
-    opened.document.reload()
-    return state(opened, page=page)
-
-
-@call_of_document
-def texts(opened: Opened) -> Texts:
-    """Return the document as the text of its file, as Python, and as a command line."""
-    document, recipe = opened.document, opened.session.recipe
-    is_json = document.path is not None and document.path.suffix.lower() == ".json"
-    return {
-        "recipe": text_after("" if is_json else document.text, recipe, ".yaml"),
-        "python": python_code(recipe, recipe.name),
-        "shell": command_line(recipe, recipe.name),
-    }
-
-
-@call_of_host
-def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: str = "") -> State:
-    """Write a document to its file, or to another one in the folder."""
-    opened = host.opened(doc)
-    target = host.places.inside(path) if path else None
-    if target is not None and not target.parent.is_dir():
-        raise FileError(f"{path}: there is no folder {target.parent.name}")
-    with opened.lock:
-        if target and any(other.document.path == target for other in host.all() if other is not opened):
-            raise UserError(f"{path}: is open as another document; choose another name")
-        opened.document.save(target, replace=replace)
-        return state(opened, page=page)
-
-
-@call_of_host
-def close(host: Host, *, doc: str) -> None:
-    """Close a document, and discard what is not saved; one that another page has open stays."""
-    opened = host.opened(doc)
-    if opened.pages <= 1:
-        opened.document.journal.remove()
-        del host.documents[doc]
 
 
 def state_of(opened: Opened, index: int) -> State:

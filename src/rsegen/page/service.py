@@ -23,8 +23,8 @@ from starlette.types import ASGIApp
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.input_files import regular_content
+from rsegen.page.documents import open as open_document
 from rsegen.page.host import Host
-from rsegen.page.host import open as open_document
 from rsegen.page.model.session import Session
 from rsegen.page.server import Desk
 from rsegen.recipe.recipe import Recipe
