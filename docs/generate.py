@@ -179,6 +179,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Robots and simulators": (
         "robots/sdf_shapes",
         "robots/sdf_drives",
+        "robots/wheel_joints",
         "robots/controllers",
         "robots/sdf_file",
         "robots/urdf",

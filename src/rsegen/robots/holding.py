@@ -15,9 +15,9 @@ from xml.etree.ElementTree import Element
 from rsegen.gazebo.sdf import numbers
 from rsegen.robots.drives import Drive
 from rsegen.robots.mimics import MOVING, Mimic, first_leader, mimics
-from rsegen.robots.sdf_drives import UPRIGHT, is_endless
 from rsegen.robots.sdf_elements import put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
+from rsegen.robots.wheel_joints import UPRIGHT, is_endless
 
 
 def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collection[str] = ()) -> tuple[str, ...]:

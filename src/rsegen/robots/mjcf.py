@@ -33,10 +33,10 @@ from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
-from rsegen.robots.sdf_drives import is_wheel
 from rsegen.robots.sdf_elements import Mass, append_inertial, numbers_text, pose_text, put, sum_of_masses
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.urdf import Converted
+from rsegen.robots.wheel_joints import is_wheel
 
 _VERSION = "1.7"
 """The version of SDF that is written: the latest that Gazebo Classic reads."""

@@ -25,6 +25,7 @@ from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_shapes import ModelFrames, positive_number
+from rsegen.robots.wheel_joints import is_along_y, large_wheels, rolling_joints, steered_wheels
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5
@@ -54,25 +55,6 @@ TRACK_CONTROLLER = "gz-sim-track-controller-system"
 
 _TORQUES = ("max_wheel_torque", "wheelTorque", "wheel_torque", "torque")
 """Names of the torque of a wheel's motor, Nm, in plug-ins of Gazebo Classic and of ROS."""
-
-_ALONG = 0.99
-"""Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""
-
-UPRIGHT = 0.7
-"""Vertical part of an axis from which on what it carries is steered, or swivels, and is no rocker."""
-
-_TRAIL = 0.05
-"""Share of its radius by which a caster trails at least: makers' have 0.3 to 1, and the steered wheels of cars 0."""
-
-_ENDLESS = 100.0
-"""Radians between the limits of a joint from which on it may be that of a wheel: no arm turns 16 times."""
-
-_ROUND, _GROUNDED, _CENTRED = 0.05, 0.2, 0.2
-"""Shares of a wheel's size: by which its height and length may differ; of its radius: by which its lowest point may be
-above that of the robot, and its middle away from its axis."""
-
-_LIKE = 0.8
-"""Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
 _AS_FAR = 0.05
 """Share of the distance of the wheels by which a separation may differ without a word."""
@@ -112,14 +94,14 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
     whole = [
         controller
         for controller in ros.controllers
-        if all(joint in frames.joints and _is_along_y(joint, frames) for joint in (*controller.left, *controller.right))
+        if all(joint in frames.joints and is_along_y(joint, frames) for joint in (*controller.left, *controller.right))
     ]
     for controller in sorted(whole, key=lambda controller: _misfit(controller, frames)):
         if drive := _of_wheels(controller, frames, ros):
             return drive
     if steered_wheels(frames, ros):
         return None
-    controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
+    controlled = rolling_joints((joint for joint in ros.rates if joint in frames.joints), frames)
     return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
 
 
@@ -178,7 +160,7 @@ def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
     left, right = _sides(text, "wheels", "joint", frames.joints)
     if len(left) != len(right):
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
-    if any(abs(frames.axis(joint)[1]) < _ALONG for joint in (*left, *right)):
+    if not all(is_along_y(joint, frames) for joint in (*left, *right)):
         raise ParameterError("wheels", f"{text}: their axes are not all along y")
     drive = _of_wheels(Controller("their names", left, right), frames, ros)
     if drive is None:
@@ -214,119 +196,8 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     """
     if not frames.shapes.whole:
         return None
-    radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
-    largest = max(radii.values(), default=0.0)
-    wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    return _paired(wheels, frames, "the shapes of its links, as its file does not say", Controls())
-
-
-def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
-    """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
-
-    Such wheels are as large as the largest. What steers has limits, or ROS gives it a position, or it does not trail:
-    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What
-    is steered does not turn by a difference between its sides.
-    """
-    if not frames.shapes.whole:
-        return {}
-    above = {frames.child(name): name for name in frames.joints}
-    universal = {name for name, joint in frames.joints.items() if joint.get("type") == "universal"}
-    across = [name for name, joint in frames.joints.items() if is_endless(joint) and _is_along_y(name, frames)]
-    radii = {joint: _wheel_radius(joint, frames) for joint in (*across, *universal)}
-
-    def steering(joint: str) -> str:
-        """Return the joint that steers a wheel; an empty text for none."""
-        link = frames.parent(joint)
-        if joint in universal:
-            return joint
-        for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
-            if link not in above:
-                return ""
-            held = above[link]
-            is_free = held not in ros.placed and is_endless(frames.joints[held])
-            if _swivels(held, frames) and not (is_free and _trails(joint, held, radii[joint], frames)):
-                return held
-            link = frames.parent(held)
-        return ""
-
-    largest = max(radii.values(), default=0.0)
-    wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    return {joint: by for joint in wheels if (by := steering(joint))}
-
-
-def _swivels(joint: str, frames: ModelFrames) -> bool:
-    """Return whether a joint turns what it carries to the left and the right, as that of a caster or a steering."""
-    turns = frames.joints[joint].get("type") in ("revolute", "continuous")
-    return turns and bool(abs(frames.axis(joint)[2]) >= UPRIGHT)
-
-
-def _trails(wheel: str, swivel: str, radius: float, frames: ModelFrames) -> bool:
-    """Return whether the middle of a wheel is away from the axis on which it swivels, but for along its axle."""
-    away = frames.joint(wheel)[:3, 3] - frames.joint(swivel)[:3, 3]
-    across = np.cross(frames.axis(wheel), frames.axis(swivel))
-    return bool(abs(away @ across) > _TRAIL * radius * np.linalg.norm(across))
-
-
-def _is_along_y(joint: str, frames: ModelFrames) -> bool:
-    return bool(abs(frames.axis(joint)[1]) >= _ALONG)
-
-
-def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
-    """Return the joints that are endless, along y, and not on one that turns about an upright axis, as a caster is.
-
-    Nor do they carry another of them, as the joints of an arm do.
-    """
-    above = {frames.child(name): name for name in frames.joints}
-    swivels: dict[str, bool] = {}  # whether a link is turned about an upright axis
-
-    def is_swivelling(link: str) -> bool:
-        way = []
-        while link in above and link not in swivels:
-            swivels[link] = False  # until more is known; it ends a circle
-            way.append(link)
-            link = frames.parent(above[link])
-        turned = swivels.get(link, False)
-        for part in reversed(way):
-            turned = turned or _swivels(above[part], frames)
-            swivels[part] = turned
-        return turned
-
-    rolling = [
-        joint
-        for joint in joints
-        if is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and not is_swivelling(frames.parent(joint))
-    ]
-    carrying = {frames.parent(joint) for joint in rolling}
-    return [joint for joint in rolling if frames.child(joint) not in carrying]
-
-
-def is_wheel(joint: str, frames: ModelFrames) -> bool:
-    """Return whether a joint turns what is round about it and on the ground, without end, about an axis along y."""
-    return is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and _wheel_radius(joint, frames) > 0
-
-
-def is_endless(joint: Element) -> bool:
-    """Return whether a joint turns without end."""
-    if joint.get("type") not in ("revolute", "continuous"):
-        return False
-    try:
-        low = float(joint.findtext("axis/limit/lower") or "-inf")
-        high = float(joint.findtext("axis/limit/upper") or "inf")
-    except ValueError:
-        return False
-    return high - low >= _ENDLESS
-
-
-def _wheel_radius(joint: str, frames: ModelFrames) -> float:
-    """Return the radius of what a joint turns if it is round about it and on the ground; 0 if not."""
-    shape, whole = frames.shapes.of(frames.child(joint)), frames.shapes.whole
-    if shape is None or whole is None:
-        return 0.0
-    length, _, height = shape.high - shape.low
-    off = np.linalg.norm(((shape.low + shape.high) / 2 - frames.joint(joint)[:3, 3])[[0, 2]])
-    is_round = abs(length - height) <= _ROUND * height and off <= _CENTRED * height / 2
-    is_on_ground = shape.low[2] - whole.low[2] <= _GROUNDED * height / 2
-    return float(height / 2) if is_round and is_on_ground else 0.0
+    wheels = large_wheels(rolling_joints(frames.joints, frames), frames)
+    return _paired(list(wheels), frames, "the shapes of its links, as its file does not say", Controls())
 
 
 def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Controls) -> ReadDrive | None:

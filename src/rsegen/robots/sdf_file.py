@@ -44,7 +44,6 @@ from rsegen.robots.sdf_drives import (
     named_tracks,
     named_wheels,
     plugin_key,
-    steered_wheels,
 )
 from rsegen.robots.sdf_shapes import (
     Extents,
@@ -59,6 +58,7 @@ from rsegen.robots.sdf_shapes import (
 from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
+from rsegen.robots.wheel_joints import steered_wheels
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
 from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.kinds import RobotOnField
