@@ -9,7 +9,7 @@ import pytest
 
 from rsegen.errors import NoSimulator, UserError
 from rsegen.experiments.plan import ExperimentPlan, TableRow
-from rsegen.experiments.trial import busy, gpu_load, refuse_without_frames, wait_for_frames
+from rsegen.experiments.trial_server import busy, gpu_load, refuse_without_frames, wait_for_frames
 from rsegen.simulators.base import SIMULATORS, Installation
 
 

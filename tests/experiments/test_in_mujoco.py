@@ -13,7 +13,8 @@ from rsegen.errors import ParameterError
 from rsegen.experiments.plan import ExperimentPlan, TableRow, read_plan
 from rsegen.experiments.report import published_figures, report_page
 from rsegen.experiments.run import load_summary
-from rsegen.experiments.trial import Outcome, refuse_without_frames
+from rsegen.experiments.trial import Outcome
+from rsegen.experiments.trial_server import refuse_without_frames
 from rsegen.simulators.embedded import EMBEDDED
 
 PLAN = ExperimentPlan(

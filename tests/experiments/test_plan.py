@@ -15,7 +15,8 @@ from rsegen.errors import ParameterError, UserError
 from rsegen.experiments.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
 from rsegen.experiments.report import published_figures
 from rsegen.experiments.run import _robot_files
-from rsegen.experiments.trial import _runs, refuse_undrivable
+from rsegen.experiments.trial import refuse_undrivable
+from rsegen.experiments.trial_server import runs_of_row
 from rsegen.field.steps import steps
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.lookup import robot_of_kind
@@ -140,7 +141,7 @@ def test_a_row_may_name_the_file_of_any_robot(jackal_file: str) -> None:
     assert plan.rows[0].model.kind == "mine"
     assert (plan.rows[0].model.speed, plan.rows[0].model.size) == (0.3, (0.5, 0.45, 0.3))
     refuse_undrivable(plan)
-    (driven,) = _runs(plan.rows[0], compose(plan.rows[0].map_of(10, 1)), 1)
+    (driven,) = runs_of_row(plan.rows[0], compose(plan.rows[0].map_of(10, 1)), 1)
     assert driven.name == "mine_0"
     again = read_plan("mine", json.loads(json.dumps(asdict(plan))))
     assert again == plan

@@ -11,7 +11,8 @@ from rsegen.errors import SimulatorFailed
 from rsegen.experiments import trial
 from rsegen.experiments.plan import Cell, ExperimentPlan, TableRow
 from rsegen.experiments.run import journal_entry, read_outcome
-from rsegen.experiments.trial import BEHIND, STARVED, Measurement, Outcome, Trial, is_starved, run_trial
+from rsegen.experiments.trial import BEHIND, STARVED, Outcome, Trial, is_starved, run_trial
+from rsegen.experiments.trial_server import Measurement
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import ATTEMPTS, attempted

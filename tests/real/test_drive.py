@@ -25,7 +25,8 @@ from rsegen import Matrix, Recipe, generate
 from rsegen.cli.edge import main
 from rsegen.experiments import trial
 from rsegen.experiments.plan import ExperimentPlan, TableRow
-from rsegen.experiments.trial import Measurement, run_trial, total
+from rsegen.experiments.trial import run_trial
+from rsegen.experiments.trial_server import Measurement, total
 from rsegen.robots.base import ROBOTS
 from rsegen.simulators.base import Installation
 from tests.support.missing import missing

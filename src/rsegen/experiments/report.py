@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rsegen.experiments.plan import IN_REAL_TIME, LARGER, PACES, Cell, ExperimentPlan, TableRow
-from rsegen.experiments.trial import SOURCES, STARVED, Outcome, Results
+from rsegen.experiments.trial import STARVED, Outcome, Results
+from rsegen.experiments.trial_server import SOURCES
 from rsegen.field.steps import steps
 from rsegen.pictures.preview import encoded
 from rsegen.recipe.building import build

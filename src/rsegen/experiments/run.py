@@ -29,11 +29,10 @@ from rsegen.experiments.trial import (
     Outcome,
     Results,
     Trial,
-    TrialSimulator,
     refuse_undrivable,
-    refuse_without_frames,
     run_trial,
 )
+from rsegen.experiments.trial_server import TrialSimulator, refuse_without_frames
 from rsegen.input_files import JOURNAL, checksum_of
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, Text
 from rsegen.recipe import recipe_file
