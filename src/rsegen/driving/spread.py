@@ -17,9 +17,7 @@ What breaks it: errors that are not in it, such as a flat battery, a loose block
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 from math import radians
 
@@ -57,9 +55,10 @@ def spread_run(scene: Scene, run: RobotRun, number: int) -> tuple[RobotRun, AsBu
     rng = generator(scene.recipe.seed, scene.index, f"drive {number}")
     aside, turned, wrong_aside, wrong_turn, rough = normals(rng, 5).tolist()
     start = replace(run.start, y=run.start.y + START * aside, yaw=run.start.yaw + HEADING * turned)
-    route = partial(_mislocated, run.route, POSITION * wrong_aside, BEARING * wrong_turn)
+    wrong = {"aside": POSITION * wrong_aside, "turn": BEARING * wrong_turn}
     errors = np.where(_near(scene.field, run), HEIGHT * normals(rng, scene.field.shape), np.nan)
-    return replace(run, start=start, route=route), AsBuilt(heights=errors, friction=float(np.exp(FRICTION * rough)))
+    mislocated = replace(run, start=start, route=lambda: Mislocated(route=run.route(), **wrong))
+    return mislocated, AsBuilt(heights=errors, friction=float(np.exp(FRICTION * rough)))
 
 
 def normals(rng: np.random.Generator, shape: int | tuple[int, ...]) -> Array:
@@ -81,10 +80,6 @@ def _near(field: StepField, run: RobotRun) -> Array:
         share = np.clip(share / max(float(along @ along), _SHORT), 0, 1)
         near |= np.hypot(x - start[0] - share * along[0], y - start[1] - share * along[1]) < reach
     return near
-
-
-def _mislocated(route: Callable[[], Route], aside: float, turn: float) -> Route:
-    return Mislocated(route=route(), aside=aside, turn=turn)
 
 
 @dataclass(kw_only=True, slots=True)
