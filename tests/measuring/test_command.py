@@ -133,6 +133,17 @@ def test_in_a_table_a_map_without_a_way_has_empty_cells(capsys: pytest.CaptureFi
     assert "none" not in row
 
 
+def test_a_later_map_that_cannot_be_read_ends_the_command_with_quiet_too(
+    capsys: pytest.CaptureFixture[str], maps: Path
+) -> None:
+    (maps / "rse_0002" / "recipe.json").write_text("{")
+    for quiet in ([], ["--quiet"]):
+        assert main(["metrics", str(maps), *quiet]) == 2
+        out, err = capsys.readouterr()
+        assert "rse_0002" in err
+        assert bool(out) != bool(quiet)
+
+
 def test_one_of_many_is_a_page(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     page = printed(capsys, maps, "--map", "1")
     assert page.startswith("rse_0001, seed 7: ")
