@@ -231,7 +231,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str], signals: Signals) -> int:
     try:
-        complete()
+        if "_ARGCOMPLETE" in os.environ:  # argcomplete's own: a shell asks what may follow
+            complete()
         arguments = parsed(load_plugins(words))
         if not hasattr(arguments, "run"):
             print(OVERVIEW, end="")

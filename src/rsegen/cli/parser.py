@@ -79,9 +79,7 @@ rsegen makes Random Step Environments (NIST stepfields) as worlds and models for
 
 
 def complete() -> None:
-    """Answer a shell that asks what may follow, and end; return if none asks (`_ARGCOMPLETE` is argcomplete's own)."""
-    if "_ARGCOMPLETE" not in os.environ:
-        return
+    """Answer a shell that asks what may follow, and end."""
     import argcomplete
 
     top, words = parser(), os.environ.get("COMP_LINE", "").split()[1:]

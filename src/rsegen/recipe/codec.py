@@ -114,7 +114,8 @@ def decode(content: object) -> Recipe:
     refuse_unknown("key", content, known)
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
-    check_plugins(content.get("plugins", {}), content.get("obstacles"))
+    if "plugins" in content:
+        check_plugins(content["plugins"], content.get("obstacles"))
     values = {key: value for key, value in content.items() if key not in _ENVELOPE}
     values["obstacles"] = decode_obstacles(values.get("obstacles", []))
     return Recipe(**values)
