@@ -6,7 +6,7 @@ import copy
 import pickle
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import fields
 from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from typing import Any
@@ -123,4 +123,3 @@ def test_lists_are_taken_where_tuples_are() -> None:
     ]
     canonical += [recipe.level_colours, rows.rows, weights.weights, counts.counts, pallet.turns, platform.size]
     assert all(isinstance(value, tuple) for value in canonical)
-    assert len(rsegen.spots(replace(recipe, obstacles=[]), size=[0.3, 0.2], seed=1)) == 1

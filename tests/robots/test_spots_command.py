@@ -62,3 +62,8 @@ def test_a_mistake_is_one_line_and_nothing_is_written(
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_size_of_a_robot_may_be_a_list() -> None:
+    recipe = rsegen.Recipe(seed=1)
+    assert rsegen.spots(recipe, size=[0.3, 0.2], seed=1) == rsegen.spots(recipe, size=(0.3, 0.2), seed=1)
