@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import json
 from dataclasses import replace
@@ -25,6 +26,15 @@ from tests.standing.stands import BODIES, field_of
 
 KINDS = sorted(BODIES)
 BURGER = BODIES["burger"]
+
+
+def test_copies_of_ways_and_bodies_are_read_only_too() -> None:
+    found = reach(field_of(np.zeros((6, 5), int)), BURGER)
+    for value, name in ((found, "region"), (found.west_east, "points"), (BURGER, "points")):
+        array, again = (getattr(each, name) for each in (value, copy.deepcopy(value)))
+        assert not array.flags.writeable
+        assert not again.flags.writeable
+        assert np.array_equal(array, again)
 
 
 @pytest.mark.parametrize("kind", KINDS)

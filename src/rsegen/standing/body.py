@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.field.stepfield import Array, Ints, Mask, make_read_only, restore
 
 _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
@@ -200,8 +200,9 @@ class Body:
 
     def __post_init__(self) -> None:
         own = (self.points, self.normals, self.groups, self.part, self.rim, self.centre)
-        for array in (*own, self.surface, self.part_of_surface):
-            array.setflags(write=False)
+        make_read_only(*own, self.surface, self.part_of_surface)
+
+    __setstate__ = restore
 
     @property
     def low(self) -> Array:

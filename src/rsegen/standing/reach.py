@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.graphs import strongly_connected
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import Array, Ints, Mask, StepField, make_read_only, restore
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import lines_along, straight
 from rsegen.standing.lattice import HEADINGS, Lattice, Watch, unwatched
@@ -44,7 +44,9 @@ class Reach:
     region: Mask
 
     def __post_init__(self) -> None:
-        self.region.setflags(write=False)
+        make_read_only(self.region)
+
+    __setstate__ = restore
 
 
 _TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 8192, 2048, 128

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.stepfield import Array, StepField, make_read_only, restore
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import safely_passed
 from rsegen.standing.ground import PaddedGround
@@ -50,7 +50,9 @@ class Way:
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        self.points.setflags(write=False)
+        make_read_only(self.points)
+
+    __setstate__ = restore
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
