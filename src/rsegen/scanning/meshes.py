@@ -10,8 +10,9 @@ undersides. That also makes it the same which way faces are wound, which scannin
 
 Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen.
 From below, closed blocks are all equally high, and a surface is the same from either side; so up is where the heights
-differ more. Where they differ as much, and no field is found, up is where the faces look. Blocks without a floor stand
-on the ground: its points are added around them, as high as their undersides.
+differ more, or where walls go down below all that is seen. Closed blocks of one height are the same from either side
+too: then the axis of the file decides, which the report says. If nothing tells, and no field is found, up is where the
+faces look. Blocks without a floor stand on the ground: its points are added around them, as high as their undersides.
 Cost: linear in the faces; some seconds for a million. What breaks it: a wall that is larger than the field and its
 floor, if `up` is not given.
 """
@@ -57,6 +58,13 @@ _FLATTER = 1.25
 open, both have the same, and up is found by the ground (ground.py)."""
 
 
+_WALLED = 0.12
+"""Share of the height of a mesh from which on it has walls of blocks below all that is seen, as those of one of eight
+units are; the edges of uneven surfaces of phones reach down 0.06 of it."""
+
+_ROUNDED = 1e-3
+"""Share of its height by which heights of a mesh differ by rounding alone: of 32 bits, and of coordinates of maps."""
+
 _LOOKING = 0.9
 """Share of the area of a surface, less that which looks the other way, from which on it looks to one side."""
 
@@ -66,12 +74,16 @@ class Cloud(NamedTuple):
 
     facing: the direction (3,) to which an open surface looks, as its faces are wound: up, if they are wound rightly
     clearer: the direction (3,) from which more of a mesh, or of its heights, is seen than from the one given as up
+    has_floor: False if it is a mesh that has no floor, so that blocks at level 0 are not in it
+    is_up_assumed: whether up is that of the file, as both sides of the mesh look alike
     """
 
     points: Array
     up: Array | None = None
     facing: Array | None = None
     clearer: Array | None = None
+    has_floor: bool = True
+    is_up_assumed: bool = False
 
 
 def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:
@@ -92,16 +104,27 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     best = int(np.argmax([view.area for view in views]))
     if wanted is not None:
         return _seen_along(wanted, mesh, directions, views)
-    direction, side = directions[best], views[best].range
-    other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
-    if other > side:
-        direction, side, other = -direction, other, side
-    points = _view(mesh, normals, areas, direction, _SPREAD).points()
-    if side > _FLATTER * other:
-        return Cloud(points, direction)
+    direction, side = directions[best], views[best]
+    other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY)
+    known = _tells(side, other)
+    if not known and _tells(other, side):
+        direction, known = -direction, True
+    view = _view(mesh, normals, areas, direction, _SPREAD)
+    if known or view.lacks_floor:
+        return Cloud(view.points(), direction, has_floor=not view.lacks_floor, is_up_assumed=not known)
     along = areas * (normals @ direction)
     looks = float(along.sum() / np.abs(along).sum())
-    return Cloud(points, None, direction * np.sign(looks) if abs(looks) > _LOOKING else None)
+    facing = direction * np.sign(looks) if abs(looks) > _LOOKING else None
+    return Cloud(view.points(), None, facing)
+
+
+def _tells(side: _View, other: _View) -> bool:
+    """Return whether a side is surely up: it has more heights than the other one, or it alone has walls that go down
+    below all that is seen.
+    """
+    if max(side.range, other.range) > _FLATTER * min(side.range, other.range) + _ROUNDED * (side.high - side.bottom):
+        return side.range > other.range
+    return side.below > _WALLED and not other.is_thick
 
 
 def _seen_along(wanted: Array, mesh: trimesh.Trimesh, directions: Sequence[Array], views: Sequence[_View]) -> Cloud:
@@ -114,7 +137,8 @@ def _seen_along(wanted: Array, mesh: trimesh.Trimesh, directions: Sequence[Array
         clearer = directions[best]
     elif _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range > _FLATTER * views[chosen].range:
         clearer = -direction
-    return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points(), direction, None, clearer)
+    view = _view(mesh, normals, areas, direction, _SPREAD)
+    return Cloud(view.points(), direction, None, clearer, has_floor=not view.lacks_floor)
 
 
 def _directions(normals: Array, areas: Array) -> Iterator[Array]:
@@ -177,12 +201,25 @@ class _View(NamedTuple):
         """Range of the heights that are seen."""
         return self.high - self.low
 
+    @property
+    def below(self) -> float:
+        """Share of the height of the mesh that is below the lowest that is seen."""
+        return (self.low - self.bottom) / (self.high - self.bottom) if self.high > self.bottom else 0.0
+
+    @property
+    def is_thick(self) -> bool:
+        """Whether there are walls or undersides below the lowest that is seen."""
+        return self.below > _THICK
+
+    @property
+    def lacks_floor(self) -> bool:
+        """Whether the lowest that is seen are blocks that stand on a ground that the mesh does not have."""
+        return self.is_thick and not _has_floor(self.raster, self.placed, self.seen, self.bottom)
+
     def points(self) -> Array:
         """Return points (n, 3) that are seen, and of the ground around them if they have no floor."""
-        seen, placed, bottom = self.seen, self.placed, self.bottom
-        is_thick = self.low - bottom > _THICK * (self.high - bottom)
-        lacks_floor = is_thick and not _has_floor(self.raster, placed, seen, bottom)
-        ground = self.raster.ground(bottom) if lacks_floor else np.empty((0, 3))
+        seen, placed = self.seen, self.placed
+        ground = self.raster.ground(self.bottom) if self.lacks_floor else np.empty((0, 3))
         order = np.random.default_rng(0).permutation(int(seen.sum()) + len(ground))  # so that the first are any
         return np.asarray(np.concatenate([placed[:, seen].T, ground])[order[:_SAMPLED]] @ self.axes)
 
