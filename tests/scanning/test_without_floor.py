@@ -67,6 +67,17 @@ def test_the_side_up_of_a_tilted_mesh_is_no_matter_of_rounding(kind: str, seed: 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_points")
+@pytest.mark.parametrize("kind", ["watertight", "merged"])
+def test_high_blocks_of_which_more_is_seen_from_aside_stand_upright(kind: str, tmp_path: Path) -> None:
+    levels = np.array([[2, 3, 2], [2, 3, 1], [2, 3, 1], [3, 2, 1], [3, 2, 0], [3, 2, 0]])
+    recipe = rsegen.Recipe(chunk_size=3, chunks=(2, 1), boundary="none", obstacles=[rsegen.Matrix.of(levels)])
+    field = rsegen.build(recipe, 0)
+    found = rsegen.scan(written(field, kind, tmp_path / "map.ply"), rsegen.ScanOptions(block_width_cm=10)).scan
+    assert abs(found.rotation[2] @ tilted(np.array([[0.0, 0, 1]]))[0]) > 0.99
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["none", "outer", "divided"])
 def test_a_frame_at_the_rim_of_a_cloud_is_no_floor_from_below(boundary: str) -> None:
     field = field_of(random_levels(5, 8, 4), boundary)

@@ -8,7 +8,9 @@ undersides. That also makes it the same which way faces are wound, which scannin
                  |       |              this by more than its own face rises across a pixel is covered
     covered .....|_______|......
 
-Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen.
+Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen;
+if nearly as much is seen from another one, as of a few high blocks from aside, the one whose undersides are all equally
+high, or whose faces all look to one side.
 From below, closed blocks are all equally high, and a surface is the same from either side; so up is where the heights
 differ more, or where walls go down below all that is seen. Closed blocks of one height are the same from either side
 too: then the axis of the file decides, which the report says. If nothing tells, and no field is found, up is where the
@@ -101,9 +103,9 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     views = [_view(mesh, normals, areas, direction, _SPREAD_ROUGHLY) for direction in directions]
     if not views or not any(view.area for view in views):
         return Cloud(np.empty((0, 3)))
-    best = int(np.argmax([view.area for view in views]))
     if wanted is not None:
         return _seen_along(wanted, mesh, directions, views)
+    best = _upright(mesh, directions, views)
     direction, side = directions[best], views[best]
     other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY)
     known = _tells(side, other)
@@ -116,6 +118,21 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     looks = float(along.sum() / np.abs(along).sum())
     facing = direction * np.sign(looks) if abs(looks) > _LOOKING else None
     return Cloud(view.points(), None, facing)
+
+
+def _upright(mesh: trimesh.Trimesh, directions: Sequence[Array], views: Sequence[_View]) -> int:
+    """Return the index of the direction that is up or down: of those from which nearly the most is seen, the first one
+    along which all undersides are equally high, or all faces look to one side; else that from which most is seen.
+    """
+    normals, areas = np.asarray(mesh.face_normals), np.asarray(mesh.area_faces)
+    order = np.argsort([-view.area for view in views], kind="stable").tolist()
+    nearly = [at for at in order if _FLATTER * views[at].area >= views[order[0]].area]
+    for at in nearly if len(nearly) > 1 else ():
+        along = areas * (normals @ directions[at])
+        ranges = views[at].range, _view(mesh, normals, areas, -directions[at], _SPREAD_ROUGHLY).range
+        if min(ranges) <= _ROUNDED * max(ranges) or abs(along.sum()) > _LOOKING * np.abs(along).sum():
+            return int(at)
+    return int(order[0])
 
 
 def _tells(side: _View, other: _View) -> bool:
