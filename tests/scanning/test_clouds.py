@@ -350,6 +350,25 @@ def test_depths_of_a_pgm_are_its_numbers_whatever_its_largest_is(largest: int, t
     assert cloud.points[:, 2] == pytest.approx(depth.ravel() / 1000)
 
 
+@pytest.mark.parametrize("name", ["depth.png", "depth.pgm", "depth.tif"])
+def test_a_depth_image_of_three_columns_is_no_list_of_points(name: str, tmp_path: Path) -> None:
+    depth = depths((8, 3)).astype(np.uint16)
+    Image.fromarray(depth).save(tmp_path / name)
+    with pytest.raises(ParameterError, match="is a depth image; pass fx,fy,cx,cy"):
+        read_clouds([tmp_path / name])
+    z = read_clouds([tmp_path / name], intrinsics=(5, 5, 1, 4)).points[:, 2]
+    assert z == pytest.approx(depth[depth > 0] / 1000)
+
+
+def test_the_viewpoint_of_a_pcd_file_is_not_applied(tmp_path: Path) -> None:
+    """The readers of the Point Cloud Library and of Open3D give the points as they are in the file."""
+    for name, viewpoint in (("a.pcd", b"0 0 0 1 0 0 0"), ("b.pcd", b"1 2 3 0 1 0 0")):
+        (tmp_path / name).write_bytes(PCD.replace(b"POINTS", b"VIEWPOINT " + viewpoint + b"\nPOINTS"))
+    first, second = (read_clouds([tmp_path / name]).points for name in ("a.pcd", "b.pcd"))
+    assert len(first)
+    assert np.array_equal(first, second)
+
+
 @pytest.mark.parametrize("name", ["depth.png", "depth.npy"])
 def test_depths_of_8_bits_have_no_unit_by_themselves(name: str, tmp_path: Path) -> None:
     depth, path = np.arange(1, 49, dtype=np.uint8).reshape(6, 8), tmp_path / name

@@ -154,7 +154,7 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     if not isinstance(numbers, np.ndarray):
         numbers.apply_scale(metres)
         return numbers
-    if numbers.ndim == 2 and numbers.shape[1] != 3:
+    if form == "image" or (numbers.ndim == 2 and numbers.shape[1] != 3):
         return _of_depth(path, numbers, intrinsics) * metres
     if intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
@@ -317,7 +317,11 @@ def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
 
 
 def _pcd(path: Path) -> tuple[Array, str]:
-    """Return the points of a file of the Point Cloud Library, which pypcd4 reads."""
+    """Return the points of a file of the Point Cloud Library, which pypcd4 reads.
+
+    VIEWPOINT, the pose of the sensor, is not applied, as the readers of that library and of Open3D give the points as
+    they are in the file too; programs write points in the frame of the sensor, and in one of several scans.
+    """
 
     def read() -> Array:
         from pypcd4.pypcd4 import MetaData, PointCloud

@@ -130,6 +130,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         f"({written.measured(scan.measured_unit)} measured), {frames}"
     )
     yield from _other_axis(scanned, options)
+    yield from _side(scan)
     # Then what was assumed and what is doubtful, each with the flag that settles it.
     if options.block_width_cm is None:
         yield from _doubt(scan)
@@ -141,16 +142,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     yield from _rim(scan, options, written)
     yield from _board(scan, options, written)
     if options.size is None:
-        for side, (raised, cells) in scan.sparse_edges.items():
-            yield (
-                f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
-                "set --size, or cut them out of the cloud"
-            )
-    for side in scan.open_sides:
-        yield (
-            f"warning: almost no cells next to the {side} side were seen: if the field goes on there, set --size, "
-            "or a scan that shows the floor next to it"
-        )
+        yield from _size(scan)
     errors = np.abs(scan.errors[scan.seen])
     mean, most = (written.with_unit(float(error)) for error in (errors.mean(), errors.max()))
     yield f"tops are {mean} from their levels on average, {most} at most"
@@ -162,11 +154,42 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
 
 
+def _size(scan: Scan) -> Iterator[str]:
+    """Yield lines if the field may be smaller or larger than it was found."""
+    for side, (raised, cells) in scan.sparse_edges.items():
+        yield (
+            f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
+            "set --size, or cut them out of the cloud"
+        )
+    if scan.whole:
+        whole, (n_x, n_y) = "x".join(map(str, scan.whole)), scan.levels.shape
+        yield (
+            f"assumed: floor around {n_x} x {n_y} blocks, though it ends at lines of the grid as blocks would "
+            f"(--size {whole} if it is blocks at level 0)"
+        )
+    for side in scan.open_sides:
+        yield (
+            f"warning: almost no cells next to the {side} side were seen: if the field goes on there, set --size, "
+            "or a scan that shows the floor next to it"
+        )
+
+
 def _other_axis(scanned: ScannedMap, options: ScanOptions) -> Iterator[str]:
     """Yield a line if more of a mesh is seen from another axis than from the one that is given as up."""
     if scanned.clearer_up is not None:
         given_as, other = f"{options.up}, which is given as up", scanned.clearer_up
         yield f"warning: the mesh shows less from {given_as}, than from {other} (--up)"
+
+
+def _side(scan: Scan) -> Iterator[str]:
+    """Yield a line if a field is read from above only because the file's axes say so."""
+    if scan.is_up_assumed:
+        z, axis = scan.rotation[2], int(abs(scan.rotation[2]).argmax())
+        up, down = ("xyz"[axis], f"-{'xyz'[axis]}") if z[axis] > 0 else (f"-{'xyz'[axis]}", "xyz"[axis])
+        yield (
+            f"assumed: {up} is up, and the lowest tops are at level 0, as no floor around the field tells it "
+            f"(--up={down} if it is not)"
+        )
 
 
 _DOUBTFUL = 0.5

@@ -116,6 +116,32 @@ def stepped_lines(scan: Scan) -> SteppedLines:
     return SteppedLines(stepped, seen, not touching)
 
 
+def chance_of_level_row(scan: Scan) -> float:
+    """Return the probability that a row next to the field, on any of its sides, has no raised block: 0 to 1, as if all
+    blocks were raised independently. A frame ends a field.
+    """
+    level, (n_x, n_y) = float((scan.levels <= 0).mean()), scan.levels.shape
+    return 0.0 if scan.frame.any() else min(1.0, 2 * level**n_x + 2 * level**n_y)
+
+
+_FALLS = 3.0
+"""Standard errors by which the blocks of the rim are lower on average than those inside, of a field that falls to its
+sides: of random blocks one in a thousand seems to."""
+
+
+def falls_to_its_sides(scan: Scan) -> bool:
+    """Return whether the blocks of the rim are lower than those inside, and none is more than half as high as the
+    highest, as of a peak, which may go on at level 0.
+    """
+    if scan.frame.any() or min(scan.levels.shape) < 3:
+        return False
+    rim = np.ones(scan.levels.shape, dtype=bool)
+    rim[1:-1, 1:-1] = False
+    own, others = (np.maximum(scan.levels[cells], 0) for cells in (rim, ~rim))
+    error = float(np.sqrt(own.var() / own.size + others.var() / others.size))
+    return 2 * int(own.max()) <= int(others.max()) and float(others.mean() - own.mean()) > _FALLS * error
+
+
 def cells_per_block(scan: Scan) -> int:
     """Return how many cells of a scan a block is wide: 2 if steps are at every second line along x and along y."""
     steps = steps_by_line(scan)

@@ -85,6 +85,52 @@ def open_sides(reading: Reading, corner: Cell, shape: Cell) -> tuple[str, ...]:
     return tuple(side for side, cells in next_to.items() if cells.mean() < _FEW_SEEN)
 
 
+def floor_rows(reading: Reading, unit: float) -> tuple[int, int, int, int]:
+    """Return how many rows of cells of floor were seen next to all that is raised: west, east, south, north of it."""
+    raised = reading.levels(unit) > 0
+    if not raised.any():
+        return 0, 0, 0, 0
+    i, j = np.nonzero(raised)
+    columns, rows = reading.seen[:, j.min() : j.max() + 1], reading.seen[i.min() : i.max() + 1]
+    next_to = columns[: i.min()][::-1], columns[i.max() + 1 :], rows[:, : j.min()].T[::-1], rows[:, j.max() + 1 :].T
+    west, east, south, north = (int(np.cumprod(side.mean(axis=1) >= _FEW_SEEN).sum()) for side in next_to)
+    return west, east, south, north
+
+
+FLOOR_ROWS = 2
+"""Rows of cells of floor next to a field from which on it is floor for sure: a frame is one cell wide."""
+
+
+def units_below(reading: Reading, unit: float) -> int:
+    """Return how many units the ground is lower than where most tops are lowest: some blocks of a field without a floor
+    may be lower, which next to a floor is a hole in it.
+    """
+    lowest = round(float(np.nanmin(reading.heights)) / unit) if reading.seen.any() else 0
+    return -lowest if lowest < 0 and max(floor_rows(reading, unit)) < FLOOR_ROWS else 0
+
+
+def raised_apart(reading: Reading, unit: float, corner: Cell, shape: Cell) -> int:
+    """Return the number of raised cells outside of a rectangle."""
+    return int((reading.levels(unit) > 0).sum() - (reading.part(corner, shape).levels(unit) > 0).sum())
+
+
+_ON_LINE = 0.12
+"""Share of a block by which a cloud that is cut at sides of blocks may end off a line of the grid, by noise."""
+
+
+def ends_on_lines(reading: Reading) -> bool:
+    """Return whether a cloud ends at lines of the grid on all sides, as one that is cut at the sides of a field."""
+    ends = reading.ends
+    return ends is not None and bool((np.abs(ends - np.rint(ends)) < _ON_LINE).all())
+
+
+def whole_cloud(reading: Reading) -> tuple[Cell, Cell]:
+    """Return corner and shape of all cells that are in a cloud, which ends at lines of the grid."""
+    ends = np.rint(np.zeros((2, 2)) if reading.ends is None else reading.ends).astype(int)
+    (i, j), (n_x, n_y) = ends[0].tolist(), np.diff(ends, axis=0)[0].tolist()
+    return (i, j), (n_x, n_y)
+
+
 def with_open_rows(reading: Reading, corner: Cell, shape: Cell) -> Iterator[tuple[Cell, Cell]]:
     """Yield corner and shape of a rectangle, and then of it with a row more on some of its open sides, on few first."""
     sides = open_sides(reading, corner, shape)

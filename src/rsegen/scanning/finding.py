@@ -28,12 +28,18 @@ from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import CENTIMETRES, Cell
 from rsegen.scanning.evidence import FEWEST_BITS, MOST_MIXED, bits_saved, cells_per_block, mixed_share, times_narrower
 from rsegen.scanning.extent import (
+    FLOOR_ROWS,
     FrameLayout,
     KnownFrameLayout,
     best_fit,
+    ends_on_lines,
     extent_of,
+    floor_rows,
     frames_of,
     open_sides,
+    raised_apart,
+    units_below,
+    whole_cloud,
     with_open_rows,
 )
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
@@ -75,10 +81,18 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
         return _scan_of_known_field(near, middle, settings, known)
     wanted = settings
     scan, settings = _first_scan(near, middle, wanted)
+    scan, settings = _with_side_up(near, middle, scan, settings)
+    is_up_assumed = scan.is_up_assumed
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
     if wanted.block_width is None and wanted.blocks is not None:
-        scan = _reaching(near, middle, wanted, scan)
+        scan = _reaching(near, middle, replace(wanted, up=settings.up), scan)
+    _refuse_no_field(scan, wanted)
+    return replace(scan, is_up_assumed=is_up_assumed)
+
+
+def _refuse_no_field(scan: Scan, wanted: ScanSettings) -> None:
+    """Raise a ScanError if what was found is more likely something else than a field."""
     if wanted.block_width is None and wanted.blocks is None:
         advice = "set block_width_cm if it is made of blocks"
         if _is_one_patch(scan):
@@ -87,9 +101,33 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
             raise ScanError(f"no field: what is raised has too few sides to tell blocks from boxes; {advice}")
         if (mixed := mixed_share(scan)) > MOST_MIXED:
             raise ScanError(f"no field: {mixed:.0%} of its cells have two heights, where a block has one; {advice}")
-    if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
+    if wanted.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
         raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; set unit_cm if they are")
-    return scan
+
+
+def _with_side_up(near: Array, middle: Array, scan: Scan, settings: ScanSettings) -> tuple[Scan, ScanSettings]:
+    """Return the field with the side up that the axes of the cloud say, if no floor around it tells which one is; and
+    the settings with it.
+
+    A field is a field from below too, its highest blocks level 0, and a frame is as wide as a narrow floor there.
+    Raises a ScanError if the axes say that the origin, at which sensors are, is under the middle of the field.
+    """
+    if settings.up is not None or settings.eye is not None or scan.floor_rows >= FLOOR_ROWS:
+        return scan, settings
+    normal = scan.rotation[2]
+    by_axes = normal * np.sign(normal[int(np.abs(normal).argmax())])
+    x, y, z = by_axes.tolist()
+    wanted = replace(settings, up=(x, y, z))
+    if by_axes @ normal < 0:
+        try:
+            scan, wanted = _first_scan(near, middle, wanted)
+        except ScanError:
+            return scan, settings
+    x, y, z = scan.translation.tolist()
+    half = scan.block_width * max(scan.levels.shape) / 2
+    if -z > max(half, abs(x), abs(y)):
+        raise ScanError("no floor around the field tells which side of it is up; set up, as z or -z")
+    return replace(scan, is_up_assumed=True), wanted
 
 
 _TIMES = (2, 3)
@@ -259,6 +297,7 @@ class _Gridded:
             frame_height=self._frame_height(frames),
             noise=self.noise,
             base=self.base,
+            floor_rows=max(floor_rows(self.reading, self.unit)),
             rotation=transform.rotation,
             translation=transform.translation,
         )
@@ -292,10 +331,12 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
     tops = on_tops(upright, unit, ground.noise, pixel)
     reading, unit = levelled(read_cells(upright, tops, grid, unit, ground.noise), unit)
+    below = units_below(reading, unit)
+    reading = replace(reading, heights=reading.heights + below * unit)
     nominal_width = width or sold_length(grid.width)
     return _Gridded(
         reading=reading,
-        transform=Transform.of(ground, grid, reading, base).after(middle),
+        transform=Transform.of(ground, grid, reading, base - below * unit).after(middle),
         noise=ground.noise,
         unit=unit,
         width=grid.width,
@@ -359,10 +400,29 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
     if boundary not in (None, "none"):
         raise ScanError(f"no {boundary} frames of one height stand around the blocks; set boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
+    if settings.blocks is None:
+        corner, shape = _with_level_rim(grid, corner, shape)
     _refuse_larger(grid, corner, shape)
     none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)
     scan = grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
-    return scan if settings.blocks else replace(scan, open_sides=open_sides(grid.reading, corner, shape))
+    if settings.blocks:
+        return scan
+    whole = whole_cloud(grid.reading)[1] if ends_on_lines(grid.reading) else shape
+    return replace(
+        scan,
+        open_sides=open_sides(grid.reading, corner, shape),
+        whole=whole if whole != shape else None,
+        apart=raised_apart(grid.reading, grid.unit, corner, shape),
+    )
+
+
+def _with_level_rim(grid: _Gridded, corner: Cell, shape: Cell) -> tuple[Cell, Cell]:
+    """Return a rectangle with the rows at level 0 next to it on some sides, if the cloud ends with them there, and with
+    the rectangle on the others: it is cut at the sides of the field then, and has no floor.
+    """
+    rows = floor_rows(grid.reading, grid.unit)
+    is_cut = min(rows) == 0 < max(rows) < FLOOR_ROWS and ends_on_lines(grid.reading)
+    return whole_cloud(grid.reading) if is_cut else (corner, shape)
 
 
 def _wanted(settings: ScanSettings) -> Iterator[FrameLayout]:

@@ -44,6 +44,9 @@ _FEWEST_POINTS = 5
 _FEWEST_SHARE = 0.04
 """Share of the points of a typical cell, at the least: of fewer, most may be of sides or of noise."""
 
+_END = 0.001
+"""Share of the points that may be beyond the ends of a cloud, as outliers are: of 12 cells a hundredth of one."""
+
 _MOST_CELLS = 4_000_000
 """Cells of a reading, at the most: 64 MB; a larger grid has been found in something else than blocks."""
 
@@ -66,7 +69,7 @@ class Reading:
     heights: of the tops above the ground [m], nan where too few points are; counts: points that agree on it;
     slopes: standard deviation of these points beyond that of noise [m], 0 for a level top; strays: share of all points
     that are more than half a unit off it; spread: standard deviation of one point [m]; first: the grid's indices of
-    cell (0, 0).
+    cell (0, 0); ends: (2, 2), the lowest and highest x and y of the points, in cells from it, None of a part.
     """
 
     heights: Array
@@ -75,6 +78,7 @@ class Reading:
     strays: Array
     spread: float
     first: Cell
+    ends: Array | None = None
 
     @property
     def seen(self) -> Mask:
@@ -122,13 +126,13 @@ class Reading:
         heights[there], counts[there] = self.heights[own], self.counts[own]
         slopes[there], strays[there] = self.slopes[own], self.strays[own]
         first = self.first[0] + corner[0], self.first[1] + corner[1]
-        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays, first=first)
+        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays, first=first, ends=None)
 
     def quarter_turned(self, turns: int) -> Reading:
         """Return the reading turned counterclockwise by quarter turns about its middle; `first` is kept."""
         counts = np.rot90(self.counts, turns)
         heights, slopes, strays = (np.rot90(each, turns) for each in (self.heights, self.slopes, self.strays))
-        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays)
+        return replace(self, heights=heights, counts=counts, slopes=slopes, strays=strays, ends=None)
 
 
 def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: float) -> Reading:
@@ -161,6 +165,7 @@ def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: f
         strays=strays.reshape(shape),
         spread=spread,
         first=(int(low[0]), int(low[1])),
+        ends=np.quantile(across, [_END, 1 - _END], axis=1) - low,
     )
 
 

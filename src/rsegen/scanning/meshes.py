@@ -8,10 +8,13 @@ undersides. That also makes it the same which way faces are wound, which scannin
                  |       |              this by more than its own face rises across a pixel is covered
     covered .....|_______|......
 
-Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen.
+Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen;
+if nearly as much is seen from another one, as of a few high blocks from aside, the one whose undersides are all equally
+high, or whose faces all look to one side.
 From below, closed blocks are all equally high, and a surface is the same from either side; so up is where the heights
-differ more. Where they differ as much, and no field is found, up is where the faces look. Blocks without a floor stand
-on the ground: its points are added around them, as high as their undersides.
+differ more, or where walls go down below all that is seen. Closed blocks of one height are the same from either side
+too: then the axis of the file decides, which the report says. If nothing tells, and no field is found, up is where the
+faces look. Blocks without a floor stand on the ground: its points are added around them, as high as their undersides.
 Cost: linear in the faces; some seconds for a million. What breaks it: a wall that is larger than the field and its
 floor, if `up` is not given.
 """
@@ -57,6 +60,13 @@ _FLATTER = 1.25
 open, both have the same, and up is found by the ground (ground.py)."""
 
 
+_WALLED = 0.12
+"""Share of the height of a mesh from which on it has walls of blocks below all that is seen, as those of one of eight
+units are; the edges of uneven surfaces of phones reach down 0.06 of it."""
+
+_ROUNDED = 1e-3
+"""Share of its height by which heights of a mesh differ by rounding alone: of 32 bits, and of coordinates of maps."""
+
 _LOOKING = 0.9
 """Share of the area of a surface, less that which looks the other way, from which on it looks to one side."""
 
@@ -66,12 +76,16 @@ class Cloud(NamedTuple):
 
     facing: the direction (3,) to which an open surface looks, as its faces are wound: up, if they are wound rightly
     clearer: the direction (3,) from which more of a mesh, or of its heights, is seen than from the one given as up
+    has_floor: False if it is a mesh that has no floor, so that blocks at level 0 are not in it
+    is_up_assumed: whether up is that of the file, as both sides of the mesh look alike
     """
 
     points: Array
     up: Array | None = None
     facing: Array | None = None
     clearer: Array | None = None
+    has_floor: bool = True
+    is_up_assumed: bool = False
 
 
 def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:
@@ -89,19 +103,45 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     views = [_view(mesh, normals, areas, direction, _SPREAD_ROUGHLY) for direction in directions]
     if not views or not any(view.area for view in views):
         return Cloud(np.empty((0, 3)))
-    best = int(np.argmax([view.area for view in views]))
     if wanted is not None:
         return _seen_along(wanted, mesh, directions, views)
-    direction, side = directions[best], views[best].range
-    other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
-    if other > side:
-        direction, side, other = -direction, other, side
-    points = _view(mesh, normals, areas, direction, _SPREAD).points()
-    if side > _FLATTER * other:
-        return Cloud(points, direction)
+    best = _upright(mesh, directions, views)
+    direction, side = directions[best], views[best]
+    other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY)
+    known = _tells(side, other)
+    if not known and _tells(other, side):
+        direction, known = -direction, True
+    view = _view(mesh, normals, areas, direction, _SPREAD)
+    if known or view.lacks_floor:
+        return Cloud(view.points(), direction, has_floor=not view.lacks_floor, is_up_assumed=not known)
     along = areas * (normals @ direction)
     looks = float(along.sum() / np.abs(along).sum())
-    return Cloud(points, None, direction * np.sign(looks) if abs(looks) > _LOOKING else None)
+    facing = direction * np.sign(looks) if abs(looks) > _LOOKING else None
+    return Cloud(view.points(), None, facing)
+
+
+def _upright(mesh: trimesh.Trimesh, directions: Sequence[Array], views: Sequence[_View]) -> int:
+    """Return the index of the direction that is up or down: of those from which nearly the most is seen, the first one
+    along which all undersides are equally high, or all faces look to one side; else that from which most is seen.
+    """
+    normals, areas = np.asarray(mesh.face_normals), np.asarray(mesh.area_faces)
+    order = np.argsort([-view.area for view in views], kind="stable").tolist()
+    nearly = [at for at in order if _FLATTER * views[at].area >= views[order[0]].area]
+    for at in nearly if len(nearly) > 1 else ():
+        along = areas * (normals @ directions[at])
+        ranges = views[at].range, _view(mesh, normals, areas, -directions[at], _SPREAD_ROUGHLY).range
+        if min(ranges) <= _ROUNDED * max(ranges) or abs(along.sum()) > _LOOKING * np.abs(along).sum():
+            return int(at)
+    return int(order[0])
+
+
+def _tells(side: _View, other: _View) -> bool:
+    """Return whether a side is surely up: it has more heights than the other one, or it alone has walls that go down
+    below all that is seen.
+    """
+    if max(side.range, other.range) > _FLATTER * min(side.range, other.range) + _ROUNDED * (side.high - side.bottom):
+        return side.range > other.range
+    return side.below > _WALLED and not other.is_thick
 
 
 def _seen_along(wanted: Array, mesh: trimesh.Trimesh, directions: Sequence[Array], views: Sequence[_View]) -> Cloud:
@@ -114,7 +154,8 @@ def _seen_along(wanted: Array, mesh: trimesh.Trimesh, directions: Sequence[Array
         clearer = directions[best]
     elif _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range > _FLATTER * views[chosen].range:
         clearer = -direction
-    return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points(), direction, None, clearer)
+    view = _view(mesh, normals, areas, direction, _SPREAD)
+    return Cloud(view.points(), direction, None, clearer, has_floor=not view.lacks_floor)
 
 
 def _directions(normals: Array, areas: Array) -> Iterator[Array]:
@@ -177,12 +218,25 @@ class _View(NamedTuple):
         """Range of the heights that are seen."""
         return self.high - self.low
 
+    @property
+    def below(self) -> float:
+        """Share of the height of the mesh that is below the lowest that is seen."""
+        return (self.low - self.bottom) / (self.high - self.bottom) if self.high > self.bottom else 0.0
+
+    @property
+    def is_thick(self) -> bool:
+        """Whether there are walls or undersides below the lowest that is seen."""
+        return self.below > _THICK
+
+    @property
+    def lacks_floor(self) -> bool:
+        """Whether the lowest that is seen are blocks that stand on a ground that the mesh does not have."""
+        return self.is_thick and not _has_floor(self.raster, self.placed, self.seen, self.bottom)
+
     def points(self) -> Array:
         """Return points (n, 3) that are seen, and of the ground around them if they have no floor."""
-        seen, placed, bottom = self.seen, self.placed, self.bottom
-        is_thick = self.low - bottom > _THICK * (self.high - bottom)
-        lacks_floor = is_thick and not _has_floor(self.raster, placed, seen, bottom)
-        ground = self.raster.ground(bottom) if lacks_floor else np.empty((0, 3))
+        seen, placed = self.seen, self.placed
+        ground = self.raster.ground(self.bottom) if self.lacks_floor else np.empty((0, 3))
         order = np.random.default_rng(0).permutation(int(seen.sum()) + len(ground))  # so that the first are any
         return np.asarray(np.concatenate([placed[:, seen].T, ground])[order[:_SAMPLED]] @ self.axes)
 

@@ -55,6 +55,10 @@ class Scan:
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
     frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
     open_sides: sides next to which almost no cell was seen, so the field may be larger; none with frames or a size.
+    whole: cells of the whole cloud, if it ends at lines of the grid around a larger rectangle without frames.
+    apart: raised cells outside of it; none with frames or a size.
+    floor_rows: of cells of the floor next to it, on the side that has most.
+    is_up_assumed: whether up is that of the axes of the cloud, as nothing else tells it.
     rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
     """
 
@@ -76,6 +80,10 @@ class Scan:
     rotation: Array
     translation: Array
     open_sides: tuple[str, ...] = ()
+    whole: Cell | None = None
+    apart: int = 0
+    floor_rows: int = 0
+    is_up_assumed: bool = False
 
     @property
     def seen(self) -> Mask:

@@ -21,6 +21,8 @@ from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
+from rsegen.scanning.evidence import CERTAIN, chance_of_level_row, falls_to_its_sides, stepped_lines
+from rsegen.scanning.extent import FLOOR_ROWS
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
@@ -29,6 +31,10 @@ from rsegen.scanning.scan_options import ScanOptions
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
+
+_MOST_LEVEL = 0.1
+"""Probability of a row at level 0 from which on a field without a floor has no size: random blocks of two levels have
+it up to 5 x 5."""
 
 _MOST_UNSEEN = 0.5
 """Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
@@ -188,14 +194,49 @@ def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, s
 def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> Scan:
     """Return the field in a cloud; of a surface in which none is found, as its faces look up."""
     try:
-        return find_field(cloud.points, settings, known)
+        scan = find_field(cloud.points, settings, known)
     except ScanError as error:
         if cloud.facing is None:
             raise
         try:
-            return find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
+            scan = find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
         except ScanError:
             raise error from None
+    if settings.blocks is None and not known:
+        _refuse_unended(scan, cloud)
+    return replace(
+        scan,
+        is_up_assumed=scan.is_up_assumed or cloud.is_up_assumed,
+        whole=scan.whole if cloud.has_floor else None,  # else that of the ground that was added
+    )
+
+
+def _refuse_unended(scan: Scan, cloud: Cloud) -> None:
+    """Raise a ScanError if nothing shows where a field ends, as blocks at level 0 may be next to what is raised."""
+    n_x, n_y = scan.blocks.shape
+    if not cloud.has_floor:
+        if why := _may_go_on(scan):
+            raise ScanError(
+                f"{n_x} x {n_y} blocks are raised, and more at level 0 may be next to them, which a mesh without a "
+                f"floor does not have: {why}; set size, to {n_x}x{n_y} if there are no more"
+            )
+    elif scan.whole and scan.floor_rows < FLOOR_ROWS:
+        raise ScanError(
+            f"the lowest row around {n_x} x {n_y} blocks, with which the cloud ends, may be floor, blocks or a frame; "
+            f"set size, to {n_x}x{n_y} if it is floor"
+        )
+
+
+def _may_go_on(scan: Scan) -> str:
+    """Return why blocks at level 0 may be next to those that are raised; nothing if that is unlikely."""
+    if scan.apart:
+        return f"{scan.apart} of the raised stand apart"
+    if falls_to_its_sides(scan):
+        return "those at the sides are lower than the others"
+    if np.gcd(*scan.levels.shape) == 1 and not scan.frame.any() and stepped_lines(scan).confidence < CERTAIN:
+        return "they are no square, and few lines between them have steps"
+    chance = chance_of_level_row(scan)
+    return f"{chance:.0%} of fields with as many raised have such a row" if chance > _MOST_LEVEL else ""
 
 
 def _vector(direction: Array) -> tuple[float, float, float]:
