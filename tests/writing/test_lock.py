@@ -123,6 +123,18 @@ def test_a_hidden_folder_that_another_run_removes_meanwhile_is_made_anew(
     assert {path.name for path in tmp_path.iterdir()} == {JOURNAL, "a"}
 
 
+def test_a_disk_on_which_no_folder_can_be_made_is_no_other_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As /proc is."""
+
+    def refused(folder: Path, *_: object, **__: object) -> None:
+        raise FileNotFoundError(2, "No such file or directory", str(folder))
+
+    monkeypatch.setattr(Path, "mkdir", refused)
+    with pytest.raises(OutputError, match=r"a\.png: cannot be written: No such file or directory"):
+        write_file([b""], tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.usefixtures("disk")
 def test_of_many_threads_one_has_a_folder_at_a_time(tmp_path: Path) -> None:
     inside = []

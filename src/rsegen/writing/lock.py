@@ -66,15 +66,18 @@ class Lock:
         """
         end = time.monotonic() + max(wait, _TRIES)
         while True:
-            is_last = time.monotonic() > end
-            with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
-                self._make_home()
-                self._try(is_last=is_last)
+            is_last, gone = time.monotonic() > end, None
+            with held():
+                try:
+                    self._make_home()
+                    self._try(is_last=is_last)
+                except FileNotFoundError as error:  # the run that had it has just removed the hidden folder
+                    gone = error
             if self.is_taken:
                 return
             if is_last:
                 refuse_locked(self._folder)
-                raise _busy(self._folder, {})
+                raise gone or _busy(self._folder, {})  # or a disk such as /proc, on which no folder can be made
             time.sleep(_POLL)
 
     def _make_home(self) -> None:
