@@ -60,11 +60,11 @@ _TURNING = 0.2
 def reach(field: StepField, body: Body, watch: Watch = unwatched) -> Reach:
     """Return where a robot gets on a field, and its shortest ways across."""
     lattice = Lattice(field, body, watch=watch)
-    region, blocks, ways = region_of(lattice), int((~field.frame).sum()), []
+    region, blocks, planner, ways = region_of(lattice), int((~field.frame).sum()), Planner(lattice), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
         direct = straight_way(field, body, axis, _straight_lines(lattice, axis))
-        ways.append(direct or Planner(lattice).way(axis) or no_way(straight(field, body, axis), body))
+        ways.append(direct or planner.way(axis) or no_way(straight(field, body, axis), body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = statistics_of(lattice.ground, body, lattice.at_blocks())
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)

@@ -105,8 +105,8 @@ def worst_of(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | N
 def straight_way(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Way | None:
     """Return the straight way with the least tilt, if there is one with room to spare; None if no lane is driven.
 
-    middles: of the lanes that may be driven, metres, by default of all
     Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
+    middles: of the lanes that may be driven, metres, by default of all
     """
     middles = across(field, axis) if middles is None else middles
     passed, end = dict[int, Lanes](), 0
