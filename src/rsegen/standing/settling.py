@@ -24,9 +24,10 @@ Some thousand robots are turned at once, and those that rest make room for other
 Then a look at all samples in turn with rounds of few: with all, the robot rests if none is above the plane of its
 contacts and that plane is level; if not, the groups that are highest above or least below it are the few, until the
 robot is still, or turned so far that others may count. Cost: 20 to 50 microseconds a pose in thousands, most where a
-robot leans against blocks, and some 13 milliseconds a call of a hundred, as a few take all rounds. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of
-mass on the diagonal; it takes one of them (stable.py finds the others). And a part against the side of a block: it
-goes to and fro over the edge, with shorter turns, and ends there before it is still.
+robot leans against blocks, and some 13 milliseconds a call of a hundred, as a few take all rounds. What breaks it:
+robots that stand equally well in two ways, as one with four wheels and its centre of mass on the diagonal; it takes one
+of them (stable.py finds the others). And a part against the side of a block: it goes to and fro over the edge, with
+shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
