@@ -18,6 +18,7 @@ from rsegen.driving.planning import predictions
 from rsegen.driving.prediction import Prediction
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import documents as hosting
+from rsegen.page import host as page_host
 from rsegen.page.hello import hello
 from rsegen.page.host import Host, Listener
 from rsegen.page.model.session import Session
@@ -146,7 +147,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 
 @pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
+    monkeypatch.setattr(page_host, "_SENT_EVERY", 0.0)
     monkeypatch.setattr(reach, "_MOVES_AT_ONCE", 60)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
@@ -169,7 +170,7 @@ def test_a_search_ends_soon_by(
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
     begun, ended = threading.Event(), list[str]()
-    monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
+    monkeypatch.setattr(page_host, "_SENT_EVERY", 0.0)
     monkeypatch.setattr(robots, "_AT_ONCE", 1)
     listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
     host.opened(doc).add(listener)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ Ints = NDArray[np.integer]
 CellWindow = tuple[slice, slice]
 """A rectangle of cells of a field as slices along x and y, frames counted."""
 
+Kind = TypeVar("Kind")
+
 NO_CAP = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
 
@@ -42,12 +44,18 @@ def make_read_only(*arrays: NDArray[Any]) -> None:
         array.setflags(write=False)
 
 
-def restore(instance: Any, state: Any) -> None:
-    """Set the fields of a frozen value that was pickled or copied, its arrays read-only: the `__setstate__` of a class.
+def read_only_copies(kind: type[Kind]) -> type[Kind]:
+    """Have the arrays of a frozen dataclass with slots be read-only in its pickles and deep copies too.
 
-    numpy keeps neither in a pickle nor in a deep copy that an array is read-only. state: the fields in their order, as
-    a dataclass with slots gives them, or values by name
+    numpy keeps in neither that an array is read-only. A decorator above that of the dataclass, which in Python 3.11.2
+    puts its own `__setstate__` in the place of any other.
     """
+    kind.__setstate__ = _restore  # type: ignore[attr-defined]  # of pickle, by name
+    return kind
+
+
+def _restore(instance: Any, state: Any) -> None:
+    """Set the fields of a frozen value, its arrays read-only; state: the fields in their order, or values by name."""
     names = [field.name for field in fields(instance)]
     by_name = state if isinstance(state, dict) else dict(zip(names, state, strict=True))
     for name, value in by_name.items():
@@ -60,6 +68,7 @@ _LENGTHS = {"block_width": Float(1e-9, unit="m"), "unit": Float(1e-9, unit="m"),
 """Lengths of a field: nanometres at least, to which lengths are rounded, or no frame at all."""
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class StepField:
     """The blocks and frames of one map, or of a part of it.
@@ -99,8 +108,6 @@ class StepField:
         for name, length in _LENGTHS.items():
             length.check(name, getattr(self, name))
         make_read_only(levels, frame)
-
-    __setstate__ = restore
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, StepField):

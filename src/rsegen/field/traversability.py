@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.graphs import component_labels, strongly_connected
-from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField, make_read_only, restore
+from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField, make_read_only, read_only_copies
 from rsegen.field.steps import steps
 from rsegen.params.sorts import NANOMETRES
 
@@ -150,6 +150,7 @@ def cheapest_paths(ground: PathGround, tread: int, limits: tuple[int, int], *, s
     return CheapestPaths(costs, moves, np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1))
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Crossing:
     """The cheapest path from the level ground on one side to that on the other, of equally cheap ones the shortest.
@@ -171,9 +172,8 @@ class Crossing:
     def __post_init__(self) -> None:
         make_read_only(self.path, self.costs)
 
-    __setstate__ = restore
 
-
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Traversability:
     """The traversability of a field within limits of steps: passable steps, coverage and crossings.
@@ -193,8 +193,6 @@ class Traversability:
 
     def __post_init__(self) -> None:
         make_read_only(self.region)
-
-    __setstate__ = restore
 
 
 def cells_to_each_side(field: StepField, width: float) -> int:

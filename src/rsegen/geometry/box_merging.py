@@ -22,11 +22,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import refuse_other
-from rsegen.field.stepfield import Array, Ints, StepField, make_read_only, restore
+from rsegen.field.stepfield import Array, Ints, StepField, make_read_only, read_only_copies
 from rsegen.geometry.mesh import LabelGrid, label_grid
 from rsegen.geometry.rectangles import merge
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Boxes:
     """Axis-aligned boxes.
@@ -42,8 +43,6 @@ class Boxes:
 
     def __post_init__(self) -> None:
         make_read_only(self.low, self.high)
-
-    __setstate__ = restore
 
     def __len__(self) -> int:
         return len(self.low)

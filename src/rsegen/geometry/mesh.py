@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Array, CellWindow, Ints, Mask, StepField, make_read_only, restore
+from rsegen.field.stepfield import Array, CellWindow, Ints, Mask, StepField, make_read_only, read_only_copies
 from rsegen.geometry.rectangles import Rectangles
 from rsegen.params.sorts import NANOMETRE_DIGITS
 
@@ -24,6 +24,7 @@ NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0,
 """The normals that a face can have: +x, -x, +y, -y, +z, -z."""
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Mesh:
     """Faces as indices of vertices, sorted by material.
@@ -50,8 +51,6 @@ class Mesh:
 
     def __post_init__(self) -> None:
         make_read_only(*self.lines, self.places, self.faces, self.normals, self.materials)
-
-    __setstate__ = restore
 
     @property
     def vertices(self) -> Array:

@@ -30,7 +30,7 @@ from rsegen.datasets.difficulty_tiles import (
 )
 from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.crossing import SIDE, CrossingModel
-from rsegen.field.stepfield import Array, Ints, Levels, StepField, make_read_only, restore
+from rsegen.field.stepfield import Array, Ints, Levels, StepField, make_read_only, read_only_copies
 from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.catalogue import RMS, By, metric_by
@@ -56,6 +56,7 @@ SIZE, _COUNT = ListOf(SIDE, 2), Integer(1, 1000)
 _ENVIRONMENTS = Integer(1, 10_000_000)
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True)
 class Terrain(TerrainDesign):
     """Maps of one or several recipes as one field, harder from row to row.
@@ -106,8 +107,6 @@ class Terrain(TerrainDesign):
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
             raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; use fewer or smaller tiles")
-
-    __setstate__ = restore
 
     @property
     def _kinds(self) -> tuple[Recipe, ...]:

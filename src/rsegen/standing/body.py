@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Array, Ints, Mask, make_read_only, restore
+from rsegen.field.stepfield import Array, Ints, Mask, make_read_only, read_only_copies
 
 _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
@@ -175,6 +175,7 @@ class CollisionPart(NamedTuple):
     mu2: float
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Body:
     """A rigid robot from below, in the frame of its model, x forward.
@@ -201,8 +202,6 @@ class Body:
     def __post_init__(self) -> None:
         own = (self.points, self.normals, self.groups, self.part, self.rim, self.centre)
         make_read_only(*own, self.surface, self.part_of_surface)
-
-    __setstate__ = restore
 
     @property
     def low(self) -> Array:

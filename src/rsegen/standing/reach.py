@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.graphs import strongly_connected
-from rsegen.field.stepfield import Array, Ints, Mask, StepField, make_read_only, restore
+from rsegen.field.stepfield import Array, Ints, Mask, StepField, make_read_only, read_only_copies
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import lines_along, straight
 from rsegen.standing.lattice import HEADINGS, Lattice, Watch, unwatched
@@ -29,6 +29,7 @@ from rsegen.standing.pose_statistics import PoseStatistics, statistics_of
 from rsegen.standing.ways import Way, no_way, straight_way
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reach:
     """The places of a field that a robot can reach, its poses there, and its ways across.
@@ -45,8 +46,6 @@ class Reach:
 
     def __post_init__(self) -> None:
         make_read_only(self.region)
-
-    __setstate__ = restore
 
 
 _TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 8192, 2048, 128

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, StepField, make_read_only, restore
+from rsegen.field.stepfield import Array, StepField, make_read_only, read_only_copies
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import safely_passed
 from rsegen.standing.ground import PaddedGround
@@ -26,6 +26,7 @@ from rsegen.standing.resting import Poses, has_stood, of_settled
 from rsegen.standing.settling import Settled, joined, outer_radius, settle
 
 
+@read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Way:
     """The best way of a robot from the level ground on one side of a field to that on the other.
@@ -51,8 +52,6 @@ class Way:
 
     def __post_init__(self) -> None:
         make_read_only(self.points)
-
-    __setstate__ = restore
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
