@@ -20,6 +20,7 @@ from rsegen.standing.lanes import (
     _grip,
     drive_lanes,
     entry_distance,
+    step_of,
     straight,
     surely_passed,
 )
@@ -154,6 +155,24 @@ def test_straight_pieces_of_ways_are_driven_and_the_lanes_3_mm_beside_them() -> 
         driven, bends = driven + len(ends), bends + len(ends[1:])
     assert driven > 4
     assert bends > 0
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_beside_pieces_of_ways_with_drops_there_is_room_to_fall(again: bool) -> None:
+    """Also where it is known from a way before. On the last field it falls on a lane, and 3 mm beside it does not."""
+    fallen = 0
+    for seed, unit in ((0, 0.05), (2, 0.05), (3, 0.05), (32, 0.03)):
+        field = field_of(np.random.default_rng(seed).integers(0, 3, (8, 14)), unit)
+        body, middles, planner = BODIES["crawler"], field.middles()[1], Planner(Lattice(field, BODIES["crawler"]))
+        begin, lanes = -entry_distance(field, body, 0), straight(field, body, 0, middles)
+        length = field.extent[0] / 2 - min(float(body.low[0]), 0.0) + step_of(body) - begin
+        for middle, drops in zip(middles.tolist(), np.asarray(lanes.drops.any(axis=1)).tolist(), strict=True):
+            for _ in range(1 + again):
+                (share,) = planner._surely_driven(np.array([[begin, middle]]), np.zeros(1), np.array([length]))
+            if drops and share == 1:
+                assert straight(field, body, 0, middle + np.array([-FALL_ROOM, FALL_ROOM])).passed.all()
+                fallen += 1
+    assert fallen > 0
 
 
 def rough_lanes(kind: str, unit: float) -> tuple[PaddedGround, tuple[Array, Array, Array], Array]:

@@ -144,6 +144,11 @@ class Lanes:
         """Return which lanes are driven to their ends, (L,)."""
         return np.asarray(self.end == End.NONE)
 
+    @property
+    def driven_shares(self) -> Array:
+        """Return the share of each lane that is driven, (L,): 1 of one that is driven to its end."""
+        return np.where(self.passed, 1.0, self.last / self.count)
+
 
 def origins(poses: Settled, body: Body) -> tuple[Array, Array]:
     """Return x and y of the origin of a robot at some poses, metres, (n,) each; the poses tell its centre of mass."""
@@ -156,9 +161,9 @@ def step_of(body: Body) -> float:
     return min(max(body.length / _STEPS, _LEAST_STEP), _MOST_STEP)
 
 
-def steps_on(body: Body, length: float) -> int:
-    """Return the number of steps of a robot on a lane of a length in metres."""
-    return max(round(length / step_of(body)), 1)
+def steps_on(body: Body, length: float | Array) -> Ints:
+    """Return the number of steps of a robot on a lane of a length in metres, or of one each."""
+    return np.asarray(np.maximum(np.rint(length / step_of(body)), 1), np.int64)
 
 
 def drive_lanes(  # noqa: PLR0913  # a place is three
@@ -205,7 +210,7 @@ class _Driving:
         follows: bool,
     ) -> None:
         self.ground, self.body, self.start, self.reaction, self.follows = ground, body, start, reaction, follows
-        self.count = np.maximum(np.rint(length / step_of(body)), 1).astype(np.int64) + 1
+        self.count = steps_on(body, length) + 1
         self.step = length / (self.count - 1)
         shape = len(length), int(self.count.max(initial=1))
         self.place, self.seen = np.full(shape, -1), np.zeros(shape[0], np.int64)

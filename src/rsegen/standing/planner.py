@@ -130,7 +130,7 @@ class Planner:
             lanes = drive_lanes(self.ground, self.body, x, y, yaw, length, follows=True)
             if lanes.passed.all() or not checked:
                 return lanes
-            shares = np.where(lanes.passed, 1.0, lanes.last / lanes.count)
+            shares = lanes.driven_shares
         return [_number_at(line, pieces[k], float(shares[k])) for k in np.flatnonzero(shares < 1)]
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
@@ -143,34 +143,38 @@ class Planner:
         shares, drops = np.ones(len(length)), np.zeros(len(length), bool)
         for aside in ((0.0,), (-BESIDE, BESIDE), (-FALL_ROOM, FALL_ROOM)):
             places = [(x, y, turn, aside[0]) for x, y, turn in np.column_stack([begins, yaw]).tolist()]
-            known = np.array([self._driven_on.get(place, (0.0, False)) for place in places])
-            asked = np.flatnonzero((length > known[:, 0]) & (drops | (aside[-1] < FALL_ROOM)))
+            far, falls = np.array([self._driven_on.get(place, (0.0, False)) for place in places]).T
+            asked = np.flatnonzero((length > far) & (drops | (aside[-1] < FALL_ROOM)))
+            drops |= falls > 0
+            if not len(asked):
+                continue
             x, y = (
                 (begins[asked, axis, None] + side[asked, None] * aside).ravel()
                 for axis, side in enumerate((-np.sin(yaw), np.cos(yaw)))
             )
             turned, long = (np.repeat(values[asked], len(aside)) for values in (yaw, length))
             lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
-            driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, len(aside)).min(axis=1)
-            falls = np.asarray(lanes.drops.any(axis=1).reshape(-1, len(aside)).any(axis=1))
-            for number, share, fall in zip(asked.tolist(), driven.tolist(), falls.tolist(), strict=True):
-                self._driven_on[places[number]] = share * length[number], fall
-            shares[asked], drops[asked] = driven, falls
-            drops |= known[:, 1] > 0
+            shares[asked] = lanes.driven_shares.reshape(-1, len(aside)).min(axis=1)
+            drops[asked] |= lanes.drops.any(axis=1).reshape(-1, len(aside)).any(axis=1)
+            for number in asked.tolist():
+                self._driven_on[places[number]] = shares[number] * length[number], bool(drops[number])
             if (shares < 1).any():
                 break
         return shares
 
     def _line(self, axis: int, places: Sequence[Place]) -> tuple[Array, Ints]:
         """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
-        i, j, k = np.array(places).T
-        points = np.stack([self.lattice.x[i], self.lattice.y[j]], axis=1)
+        points, k = self._points(np.array(places)), np.array(places)[:, 2]
         ends = points[[0, -1]].copy()
         ends[:, axis] = (
             -entry_distance(self.field, self.body, axis),
             self.field.extent[axis] / 2 - float(self.body.low[0]),
         )
         return np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
+
+    def _points(self, places: Ints) -> Array:
+        """Return x and y of places (n, 3), metres, (n, 2)."""
+        return np.stack([self.lattice.x[places[:, 0]], self.lattice.y[places[:, 1]]], axis=1)
 
     def _distance_to(self, goal: tuple[int, int]) -> Array:
         """Return the distance of all cells from one, metres, which no way to it is shorter than."""
@@ -245,10 +249,7 @@ class Planner:
 
     def _pieces(self, places: Ints) -> Iterator[Lanes | Settled]:
         """Yield the lanes and the turns of a way over places (n, 3), in their order; a way of one place is a turn."""
-        points, yaw = (
-            np.stack([self.lattice.x[places[:, 0]], self.lattice.y[places[:, 1]]], axis=1),
-            places[:, 2] * np.pi / 4,
-        )
+        points, yaw = self._points(places), places[:, 2] * np.pi / 4
         begin, last = 0, len(places) - 1
         for m in range(len(places)):
             turns_on = m < last and places[m, 2] != places[m + 1, 2]

@@ -137,7 +137,8 @@ def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Arr
     """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
     before = entry_distance(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
-    along = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
+    steps = int(steps_on(body, length))
+    along = np.arange(0, steps, _APART) * (length / steps) - before
     at: Array = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
