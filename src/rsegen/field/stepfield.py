@@ -32,7 +32,7 @@ Ints = NDArray[np.integer]
 CellWindow = tuple[slice, slice]
 """A rectangle of cells of a field as slices along x and y, frames counted."""
 
-Kind = TypeVar("Kind")
+_Kind = TypeVar("_Kind")
 
 NO_CAP = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
@@ -44,8 +44,8 @@ def make_read_only(*arrays: NDArray[Any]) -> None:
         array.setflags(write=False)
 
 
-def read_only_copies(kind: type[Kind]) -> type[Kind]:
-    """Have the arrays of a frozen dataclass with slots be read-only in its pickles and deep copies too.
+def read_only_copies(kind: type[_Kind]) -> type[_Kind]:
+    """Have the arrays of a frozen dataclass be read-only in its pickles and deep copies too.
 
     numpy keeps in neither that an array is read-only. A decorator above that of the dataclass, which in Python 3.11.2
     puts its own `__setstate__` in the place of any other.

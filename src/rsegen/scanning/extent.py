@@ -118,15 +118,13 @@ _ON_LINE = 0.12
 """Share of a block by which a cloud that is cut at sides of blocks may end off a line of the grid, by noise."""
 
 
-def ends_on_lines(reading: Reading) -> bool:
-    """Return whether a cloud ends at lines of the grid on all sides, as one that is cut at the sides of a field."""
-    ends = reading.ends
-    return ends is not None and bool((np.abs(ends - np.rint(ends)) < _ON_LINE).all())
-
-
-def whole_cloud(reading: Reading) -> tuple[Cell, Cell]:
-    """Return corner and shape of all cells that are in a cloud, which ends at lines of the grid."""
-    ends = np.rint(np.zeros((2, 2)) if reading.ends is None else reading.ends).astype(int)
+def whole_cloud(reading: Reading) -> tuple[Cell, Cell] | None:
+    """Return corner and shape of all cells that are in a cloud that is cut at the sides of a field: it ends at lines of
+    the grid. None if it ends elsewhere.
+    """
+    if reading.ends is None or (np.abs(reading.ends - np.rint(reading.ends)) >= _ON_LINE).any():
+        return None
+    ends = np.rint(reading.ends).astype(int)
     (i, j), (n_x, n_y) = ends[0].tolist(), np.diff(ends, axis=0)[0].tolist()
     return (i, j), (n_x, n_y)
 

@@ -32,7 +32,6 @@ from rsegen.scanning.extent import (
     FrameLayout,
     KnownFrameLayout,
     best_fit,
-    ends_on_lines,
     extent_of,
     floor_rows,
     frames_of,
@@ -407,7 +406,7 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
     scan = grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
     if settings.blocks:
         return scan
-    whole = whole_cloud(grid.reading)[1] if ends_on_lines(grid.reading) else shape
+    _, whole = whole_cloud(grid.reading) or (corner, shape)
     return replace(
         scan,
         open_sides=open_sides(grid.reading, corner, shape),
@@ -421,8 +420,8 @@ def _with_level_rim(grid: _Gridded, corner: Cell, shape: Cell) -> tuple[Cell, Ce
     the rectangle on the others: it is cut at the sides of the field then, and has no floor.
     """
     rows = floor_rows(grid.reading, grid.unit)
-    is_cut = min(rows) == 0 < max(rows) < FLOOR_ROWS and ends_on_lines(grid.reading)
-    return whole_cloud(grid.reading) if is_cut else (corner, shape)
+    is_cut = min(rows) == 0 < max(rows) < FLOOR_ROWS
+    return (is_cut and whole_cloud(grid.reading)) or (corner, shape)
 
 
 def _wanted(settings: ScanSettings) -> Iterator[FrameLayout]:

@@ -59,7 +59,8 @@ _TURNING = 0.2
 def reach(field: StepField, body: Body, watch: Watch = unwatched) -> Reach:
     """Return where a robot gets on a field, and its shortest ways across."""
     lattice = Lattice(field, body, watch=watch)
-    region, blocks, planner, ways = region_of(lattice), int((~field.frame).sum()), Planner(lattice), []
+    region, blocks = region_of(lattice), int((~field.frame).sum())
+    planner, ways = Planner(lattice), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
         direct = straight_way(field, body, axis, _straight_lines(lattice, axis))
