@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from math import pi
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rsegen
@@ -68,6 +70,51 @@ def test_tracks_go_as_commanded_in_sim_or_stand(gazebo_sim: Installation, tmp_pa
     (robot,) = (result := rsegen.drive(rsegen.Recipe(seed=1), robot="crawler", duration=2, simulator="sim")).robots
     assert any("tracks need the physics engine DART 6.13" in note for note in result.notes) == stands
     assert (robot.metrics.distance < 0.001) == stands
+
+
+def test_a_drive_on_tracks_repeats_in_sim_on_a_busy_machine(gazebo_sim: Installation) -> None:
+    """Belts get their speeds at once; by their plug-in they would get them while the world steps, sooner or later."""
+    recipe = rsegen.Recipe(seed=7, unit_cm=3, boundary="none", obstacles=[rsegen.Noise(levels=3)])
+
+    def path() -> np.ndarray:
+        drive = rsegen.drive(recipe, robot="crawler", duration=3, simulator="sim", predict=False, contacts=False)
+        return np.asarray(drive.robots[0].trajectory.rows)
+
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 1))]
+    try:
+        paths = [path() for _ in range(4)]
+    finally:
+        for program in busy:
+            program.kill()
+            program.wait()
+    first, *others = paths
+    if np.ptp(first[:, 1]) < 0.001:
+        pytest.skip(f"tracks stand in {gazebo_sim}: their motion needs DART 6.13")
+    assert np.ptp(first[:, 1]) > 0.5
+    assert [np.array_equal(first, other) for other in others] == [True] * len(others)
+
+
+@pytest.mark.long(reason="a server and a course more")
+@pytest.mark.parametrize(("v", "w"), [(0.3, 0.4), (0.0, 0.5)])
+def test_belts_that_are_commanded_one_by_one_go_where_their_plug_in_would_take_them(
+    v: float, w: float, gazebo_sim: Installation, tmp_path: Path
+) -> None:
+    crawler = ROBOTS["crawler"]
+    with served(gazebo_sim, Course(robots={"plugin": crawler, "belts": crawler}), tmp_path) as (_, live):
+        live.step(500)
+        begun = live.poses()
+        live.send_command(crawler.command("plugin", v, w, live.backend))
+        live.drive("belts", crawler, v, w)
+        live.step(1000)
+        done = live.poses()
+    if off(begun["plugin"], done["plugin"]) < 0.0002 and abs(done["plugin"].yaw) < 0.001:
+        pytest.skip(f"tracks stand in {gazebo_sim}: their motion needs DART 6.13")
+    moved = [
+        (done[name].x - begun[name].x, done[name].y - begun[name].y, done[name].yaw - begun[name].yaw)
+        for name in ("plugin", "belts")
+    ]
+    assert abs(moved[0][2]) > 0.2
+    assert moved[0] == pytest.approx(moved[1], abs=0.01)
 
 
 def test_wheels_stop_on_command(gazebo: Installation, tmp_path: Path) -> None:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from math import inf
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from rsegen import Recipe
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.drives import BACKENDS
+from rsegen.robots.drives import BACKENDS, Tracks
 from rsegen.robots.lookup import robot_of_kind
+from rsegen.simulators.wire import parse_text
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 SIMULATOR = pytest.mark.parametrize("simulator", BACKENDS)
@@ -89,6 +93,44 @@ def test_commands_name_the_robot_and_its_speeds_are_bounded(robot: Robot, simula
     for v, w, at_fault in ((fast, 0, "v"), (0, sharp, "w"), (float("nan"), 0, "v")):
         with pytest.raises(ParameterError, match=rf"^{at_fault}: .* is outside"):
             robot.command("one", v, w, simulator)
+
+
+@pytest.mark.parametrize("simulator", ["sim", "fortress"])
+def test_belts_are_commanded_as_their_plug_in_does(simulator: str) -> None:
+    """Speeds and centre of a turn as in TrackedVehicle's UpdateVelocity: sides about a centre to the left."""
+    drive = ROBOTS["crawler"].drive
+    assert isinstance(drive, Tracks)
+    at, angles = np.array([1.0, 2.0, 0.3]), (0.1, -0.2, 2.5)
+
+    def told(v: float, w: float) -> tuple[dict[str, float], set[tuple[float, ...]]]:
+        commands = list(drive.belt_commands("one", v, w, (*at, *angles), simulator))
+        values = {command.topic: parse_text(command.text) for command in commands}
+        assert {command.type.rpartition(".")[0] for command in commands} == {
+            {"sim": "gz.msgs", "fortress": "ignition.msgs"}[simulator]
+        }
+        speeds, centres = dict[str, float](), set[tuple[float, ...]]()
+        for topic, value in values.items():
+            belt, kind = topic.removeprefix("/model/one/link/").split("/")
+            if kind == "track_cmd_vel":
+                speeds[belt] = float(value["data"])
+            else:
+                assert kind == "track_cmd_center_of_rotation"
+                centres.add(tuple(float(value[axis]) for axis in "xyz"))
+        assert len(values) == 2 * len(speeds)
+        return speeds, centres
+
+    to_left = Rotation.from_euler("xyz", angles).apply([0, 1, 0])
+    speeds, (centre,) = told(0.3, -0.5)
+    aside = -0.5 * drive.separation / 2 / drive.efficiency
+    assert speeds == {
+        **dict.fromkeys(drive.left, pytest.approx(0.3 - aside)),
+        **dict.fromkeys(drive.right, pytest.approx(0.3 + aside)),
+    }
+    assert centre == pytest.approx(at + 0.3 / -0.5 * to_left)
+    _, (centre,) = told(0.0, 0.5)
+    assert centre == pytest.approx(at)
+    speeds, (centre,) = told(0.3, 0.0)
+    assert (set(speeds.values()), centre) == ({0.3}, (inf,) * 3)
 
 
 @ROBOT

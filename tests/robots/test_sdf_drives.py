@@ -311,7 +311,27 @@ def test_tracks_of_either_gazebo_are_driven_in_both(tmp_path: Path) -> None:
         assert (drive.body, drive.left, drive.right, drive.separation) == ("base", ("a",), ("b",), 2)
         assert (robot.speed, drive.radius) == pytest.approx((0.7, 0.1))
         assert plugins(robot, "classic") == ["libSimpleTrackedVehiclePlugin.so"]
-        assert plugins(robot, "sim")[0] == "gz-sim-tracked-vehicle-system"
+        # Belts without a controller would not move.
+        *drives, _ = plugins(robot, "sim")
+        assert drives == ["gz-sim-tracked-vehicle-system", *["gz-sim-track-controller-system"] * 2]
+
+
+def test_controllers_of_belts_are_kept_for_a_drive_but_listen_where_it_commands_them(tmp_path: Path) -> None:
+    vehicle = (
+        '<plugin filename="gz-sim-tracked-vehicle-system" name="v"><topic>go</topic>'
+        + "".join(f"<{s}_track><link>{s[0]}</link></{s}_track>" for s in ("left", "right"))
+        + "</plugin>"
+    )
+    controllers = "".join(
+        f'<plugin filename="gz-sim-track-controller-system" name="c"><link>{link}</link>'
+        "<velocity_topic>v</velocity_topic><center_of_rotation_topic>c</center_of_rotation_topic>"
+        "<max_acceleration>3</max_acceleration></plugin>"
+        for link in "lr"
+    )
+    robot = read(tmp_path, tracked(vehicle + controllers))
+    model = ElementTree.fromstring(robot.model("one", "sim"))
+    kept = [[(part.tag, part.text) for part in plugin] for plugin in model.iter("plugin")][1:3]
+    assert kept == [[("link", link), ("max_acceleration", "3")] for link in "lr"]
 
 
 def test_meshes_are_found_next_to_the_package_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

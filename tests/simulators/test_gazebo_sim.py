@@ -12,7 +12,11 @@ import pytest
 
 import rsegen
 from rsegen.errors import SimulatorFailed
+from rsegen.robots.base import ROBOTS
+from rsegen.robots.drives import PublishCommand, Tracks
 from rsegen.simulators.base import SIMULATORS, OpenRequest, commands_of
+from rsegen.simulators.gazebo_sim import SimWorld
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import running_server
 from tests.simulators.standins import PROGRAMS, put, start
 from tests.support.patience import until
@@ -194,3 +198,29 @@ def test_a_server_in_a_home_of_its_own_keeps_to_the_users_choice_of_plugins(
     assert variable not in SIM.paused(here, opening, Path("/home/of/its/own")).environment
     monkeypatch.setenv(variable, "/another/server.config")
     assert variable not in SIM.headless(here, opening).environment
+
+
+class Listening(SimWorld):
+    """A world without a server, with a robot at a place, that keeps the commands that it is sent."""
+
+    def __init__(self, backend: str) -> None:
+        self.backend, self.sent = backend, list[PublishCommand]()
+
+    def poses(self) -> dict[str, Pose]:
+        return {"one": Pose(x=1, y=2, z=0)}
+
+    def send_command(self, command: PublishCommand) -> None:
+        self.sent.append(command)
+
+
+@pytest.mark.parametrize("backend", ["sim", "fortress"])
+def test_belts_are_commanded_one_by_one_and_wheels_by_their_plug_in(backend: str) -> None:
+    world = Listening(backend)
+    world.drive("one", ROBOTS["burger"], 0.1, 0.2)
+    assert world.sent == [ROBOTS["burger"].command("one", 0.1, 0.2, backend)]
+    world.sent.clear()
+    drive = ROBOTS["crawler"].drive
+    assert isinstance(drive, Tracks)
+    world.drive("one", ROBOTS["crawler"], 0.1, 0.2)
+    assert world.sent == list(drive.belt_commands("one", 0.1, 0.2, (1, 2, 0, 0, 0, 0), backend))
+    assert len(world.sent) == 2 * len((*drive.left, *drive.right)) > 0

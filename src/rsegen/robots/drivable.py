@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
 from rsegen.gazebo.sdf import prefixes
-from rsegen.robots.drives import Drive, pose_publisher
+from rsegen.robots.drives import Drive, Tracks, pose_publisher
 from rsegen.robots.holding import hold, turn_to_the_left
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
@@ -37,8 +37,9 @@ _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYS
 def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
 
-    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
-    plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
+    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration; that of
+    tracks with its controllers of belts, which a drive commands itself (`Tracks.belt_commands`). ROS's plug-ins are
+    taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     if backend == "classic":
@@ -53,10 +54,12 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
     kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
     plugins, sensors, visuals = _leave_out(model, backend)
     for plugin in kept:
-        for topic in plugin.findall("topic"):
+        for topic in [element for tag in _TOPICS for element in plugin.findall(tag)]:
             plugin.remove(topic)
         if plugin_key(plugin.get("filename", "")) == own:
             SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
+    if isinstance(drive, Tracks) and not _controlled(kept).issuperset((*drive.left, *drive.right)):
+        kept = []
     if drive and not kept:
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
@@ -68,6 +71,16 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
         "left out for the drive, as their meshes are not found": ", ".join(visuals),
         "left out for the drive, as sensors move nothing": ", ".join(sensors),
     }
+
+
+_TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")
+"""Elements of plug-ins with the topics on which they take commands, other than the default ones."""
+
+
+def _controlled(plugins: Sequence[Element]) -> set[str]:
+    """Return the links of the belts that have a controller among some plug-ins."""
+    controllers = (plugin for plugin in plugins if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER)
+    return {link.text.strip() for plugin in controllers for link in plugin.findall("link") if link.text}
 
 
 def _free_wheels(model: Element, drive: Drive | None) -> None:

@@ -9,7 +9,7 @@ simulator (docs/robots.md). Servos hold other joints, such as flippers and arms,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import cos, inf, sin
 from typing import Any, NamedTuple
@@ -220,6 +220,29 @@ class Tracks(Drive):
             system("TrackController", simulator, element("link", belt) + _velocities(fastest))
             for belt in (*self.left, *self.right)
         )
+
+    def belt_commands(
+        self, name: str, v: float, w: float, at: tuple[float, float, float, float, float, float], simulator: str
+    ) -> Iterator[PublishCommand]:
+        """Yield the commands for each belt in Gazebo Sim that TrackedVehicle makes of v and w.
+
+        They are the speed of a belt, and where the centre of the turn is, from which contacts take the direction of
+        their friction; without a turn it is nowhere.
+        at: the pose of the robot, x, y, z [m] and roll, pitch, yaw [rad]
+        """
+        x, y, z, roll, pitch, yaw = at
+        to_left = (
+            cos(yaw) * sin(pitch) * sin(roll) - sin(yaw) * cos(roll),
+            sin(yaw) * sin(pitch) * sin(roll) + cos(yaw) * cos(roll),
+            cos(pitch) * sin(roll),
+        )
+        centre = [where + v / w * along if w else inf for where, along in zip((x, y, z), to_left, strict=True)]
+        text = "x: {:.12g} y: {:.12g} z: {:.12g}".format(*centre)
+        for belts, speed in zip((self.left, self.right), self.sides(v, w, 1 / self.efficiency), strict=True):
+            for belt in belts:
+                of_belt = f"/model/{name}/link/{belt}/track_cmd"
+                yield publish_command(f"{of_belt}_center_of_rotation", "Vector3d", text, simulator)
+                yield publish_command(f"{of_belt}_vel", "Double", f"data: {numbers([speed])}", simulator)
 
     def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command as a Twist."""

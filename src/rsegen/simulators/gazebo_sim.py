@@ -38,7 +38,8 @@ from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
-from rsegen.robots.drives import POSE_RATE, PublishCommand
+from rsegen.robots.drives import POSE_RATE, PublishCommand, Tracks
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.patience import Patience
@@ -268,6 +269,19 @@ class SimWorld(LiveWorld):
         """Publish the command, and wait until the server has received it: it reads a message before each request."""
         self.client.publish(command.topic, command.type, parse_text(command.text))
         self.client.request(WORLDS, "Empty", {})
+
+    def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
+        """Have a robot drive, and wait until that is received; belts are commanded one by one.
+
+        The plug-in of a robot on tracks passes a command on to its belts by messages within the server, which a thread
+        of its own delivers while the world steps: on a busy machine some steps later, so no drive would repeat.
+        """
+        if isinstance(robot.drive, Tracks):
+            commands = robot.drive.belt_commands(name, v, w, astuple(self.poses()[name]), self.backend)
+        else:
+            commands = iter([robot.command(name, v, w, self.backend)])
+        for command in commands:
+            self.send_command(command)
 
     def step(self, steps: int) -> None:
         """Step, and wait until poses are published that are as late."""
