@@ -164,7 +164,8 @@ class UnknownName(ParameterError):
         """
         names = sorted(known)
         hint = f"; {instead}" if instead else did_you_mean(name, names, meant)
-        return cls(where, f"unknown {what} {shown(name)}{hint} (known: {', '.join(names)})")
+        listed = f"known: {', '.join(names)}" if names else "there is none"
+        return cls(where, f"unknown {what} {shown(name)}{hint} ({listed})")
 
 
 def did_you_mean(name: object, known: Iterable[str], meant: Iterable[str] = ()) -> str:

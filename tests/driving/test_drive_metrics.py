@@ -77,6 +77,13 @@ def test_a_way_that_ends_before_the_far_side_did_not_cross() -> None:
     assert measured(trajectory(0.5 * T), 0.5, Course()).crossed is None
 
 
+def test_a_robot_that_waits_beyond_the_map_is_not_stuck() -> None:
+    held = np.where(T < 4, ACROSS, np.maximum(ACROSS - 0.4 * 2, ACROSS[80]))  # for 2 s
+    assert measured(trajectory(np.minimum(held, 1.2))).stuck == 2
+    assert measured(trajectory(np.minimum(held, 1.2), y=5.0)).stuck == 2  # it went round the map
+    assert measured(trajectory(np.minimum(held, 1.05))).stuck > 2
+
+
 @pytest.mark.parametrize("seconds", [0.05, 0.5, 0.95, 1.0, 1.25, 3.7])
 def test_time_stuck_is_exact_in_drives_of_any_length(seconds: float) -> None:
     rows = trajectory(np.zeros_like(T)).rows

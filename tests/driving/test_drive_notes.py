@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf, nan, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,6 +66,28 @@ def test_a_frame_that_stops_a_robot_is_named(height: float, said: str) -> None:
     assert noted(Trajectory(rows=stopped.rows[:8])) == []
     assert noted(Trajectory(rows=stopped.rows[:0])) == []
     assert noted(stopped, compose(replace(recipe, boundary="none", chunk_size=12))) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "said"),
+    [
+        ("burger", {"frame_height_cm": 30}, "30 cm high, stopped burger_0; make the map without frames"),
+        ("crawler", {"frame_height_cm": 9}, "9 cm high, stopped crawler_0; make the map without frames"),
+        (
+            "burger",
+            {"frame_height_cm": 5.08, "units": "in"},
+            "2 in high, stopped burger_0; use robot='crawler', which climbs 3.937 in,",
+        ),
+    ],
+)
+def test_a_robot_that_helps_no_more_is_not_advised(kind: str, changes: dict[str, Any], said: str) -> None:
+    framed, robot = compose(replace(SCENE.recipe, boundary="outer", **changes)), robot_of_kind(kind)
+    run = robot_runs(framed.field, robot, "straight", count=1, seed=1)[0]
+    gap = -framed.field.extent[0] / 2 - robot.size[0] / 2 - run.start.x
+    track = driven(run, lambda t: np.minimum(0.22 * t, gap))
+    recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[])
+    (note,) = frame_notes(framed, [run], recording)
+    assert note.startswith(f"the frame, {said}")
 
 
 @pytest.mark.parametrize("route", ["straight", "way"])

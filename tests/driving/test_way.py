@@ -70,6 +70,16 @@ def test_a_robot_stays_on_its_way(kind: str) -> None:
     assert places[-1][0] >= finish_x(field, robot_of_kind(kind))
 
 
+def test_robots_stop_one_behind_the_other_and_all_beyond_the_map() -> None:
+    field, robot = walled(gap=True), ROBOTS["burger"]
+    runs = robot_runs(field, robot, "way", count=3, seed=1)
+    goals = [run.route().goal for run in runs]
+    assert goals[-1] > finish_x(field, robot)
+    assert all(ahead - behind > robot.size[0] for ahead, behind in pairwise(goals))
+    (alone,) = robot_runs(field, robot, "way", count=1, seed=1)
+    assert alone.route().goal == goals[-1]
+
+
 def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:
     field, body = walled(gap=True), ROBOTS["burger"].body
     way = planned_way(field, body)

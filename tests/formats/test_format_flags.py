@@ -49,6 +49,7 @@ def test_generate_takes_options_after_names_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("stl shape=box", ["--to 'stl shape=box': unknown option of stl 'shape' (there is none)"]),
         ("mjcf shap=hfield", ["--to 'mjcf shap=hfield': unknown option of mjcf 'shap'; did you mean 'shape'?"]),
         ("mjcf shape=round", ["--to 'mjcf shape=round': shape: 'round' is not one of boxes, hfield, mesh"]),
         ("mjcf shape=hfield shape=mesh", ["shape: is given twice"]),

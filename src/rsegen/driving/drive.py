@@ -279,9 +279,16 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
         if len(last) > 1 and is_there and last.max() - last.min() < SLOW * _NOTICED * run.robot.driving_speed:
             held.append(run.name)
     if held and field.frame[0].all():
-        height = lengths_in(scene.units).with_unit(field.frame_height, 3)
-        advice = "use robot='crawler', which climbs 10 cm, or make the map without frames (boundary none)"
+        written = lengths_in(scene.units)
+        is_helped = field.frame_height < _CRAWLED + 1e-9 and runs[0].robot.kind != "crawler"
+        crawler = f"use robot='crawler', which climbs {written.with_unit(_CRAWLED, 3)}, or " if is_helped else ""
+        height = written.with_unit(field.frame_height, 3)
+        advice = f"{crawler}make the map without frames (boundary none)"
         yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
+
+
+_CRAWLED = 0.1
+"""Metres of a frame that the crawler gets over in every simulator."""
 
 
 def short_notes(found: Prediction | None, robots: Sequence[DrivenRobot], seconds: float) -> Iterator[str]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import hypot, isfinite, radians
+from math import hypot, inf, isfinite, radians
 from typing import ClassVar
 
 import numpy as np
@@ -163,17 +163,18 @@ def drive_metrics(
     drive, ending = possible_part(trajectory, speed, size, course)
     t, x, y, z = drive.rows[:, :4].T
     off, fallen = _off_the_map(drive, course), drive.tilt > TIPPED
-    crossed = None
+    crossed, arrived = None, inf
     if course.finish_x is not None and (row := _first(x > course.finish_x)) is not None:
-        seconds = _seconds(drive, row)
-        crossed = None if fallen[: row + 1].any() or (off and off.seconds <= seconds) else seconds
+        arrived = _seconds(drive, row)
+        crossed = None if fallen[: row + 1].any() or (off and off.seconds <= arrived) else arrived
     lengths, moves = moves_by_window(t, x, y)
+    on_its_way = np.cumsum(lengths) - lengths < arrived  # then it waits for the others
     ground = int(z[t <= t[0] + FALL].argmin())  # it may start above the place on which it then stands
     return DriveMetrics(
         seconds=round(float(t[-1] - t[0]), 3),
         distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
         crossed=crossed,
-        stuck=round(float(lengths[moves < SLOW * speed * lengths].sum()), 3),
+        stuck=round(float(lengths[(moves < SLOW * speed * lengths) & on_its_way].sum()), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
         tilt=round(float(drive.tilt.max()), 3),
         climbed=round(float(z[ground:].max() - z[ground]) + 0.0, 3),  # no -0.0, as 0.0 is subtracted from -0.0

@@ -26,8 +26,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_RIM, _MARGIN = 0.1, 1.5
-"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
+_RIM, _RIM_SHARE, _MARGIN = 0.1, 0.02, 1.5
+"""Width, metres, of the ground around the map that is drawn at least, also as a share of the longer side of the map,
+and at most, so that the map stays large; farther, by up to twice the side of the map, if a robot starts there."""
+
+_NARROW, _LOW = 1.0, 0.5
+"""Inches along x and y below which only the middle of an axis has a number, as others would overlap."""
 
 _TALLEST = 7.0
 """Inches of a picture at most, in which its caption has room on a page."""
@@ -103,21 +107,29 @@ def _plan(scene: Scene, lines: list[Array], title: str = "") -> tuple[Figure, Ax
     """Return a figure as wide as a column, and its plan of the map with the ground on which these lines are."""
     from matplotlib.figure import Figure
 
-    (left, right), (low, high) = (_limits(scene.field.extent[axis], lines, axis) for axis in (0, 1))
-    height = (COLUMN - 0.5) * (high - low) / (right - left) + 0.85 + (0.35 if title else 0)
-    figure = Figure(figsize=(COLUMN, min(height, _TALLEST)), dpi=DPI, layout="constrained")
+    (left, right), (low, high) = (_limits(scene.field.extent, lines, axis) for axis in (0, 1))
+    around = 0.85 + (0.35 if title else 0)
+    scale = min((COLUMN - 0.5) / (right - left), (_TALLEST - around) / (high - low))
+    height = scale * (high - low) + around
+    figure = Figure(figsize=(COLUMN, height), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     draw_cells(axes, scene)
     axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]", title=title)
+    if scale * (right - left) < _NARROW:
+        axes.set_xticks([0])
+    if scale * (high - low) < _LOW:
+        axes.set_yticks([0])
     return figure, axes
 
 
-def _limits(extent: float, lines: list[Array], axis: int) -> tuple[float, float]:
-    """Return the limits of an axis: the map, and the lines near it."""
+def _limits(extent: tuple[float, float], lines: list[Array], axis: int) -> tuple[float, float]:
+    """Return the limits of an axis: the map, where robots start, and the lines near it."""
     along = [line[np.isfinite(line[:, axis]), axis] for line in lines]
-    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
-    low = min((values.min(initial=0.0) for values in along), default=0.0) - _RIM
-    high = max((values.max(initial=0.0) for values in along), default=0.0) + _RIM
+    rim, side = max(_RIM, _RIM_SHARE * max(extent)), extent[axis]
+    start = max((abs(float(values[0])) for values in along if len(values)), default=0.0) + rim
+    half, far = side / 2 + rim, side / 2 + max(_MARGIN, min(start - side / 2, 2 * side))
+    low = min((values.min(initial=0.0) for values in along), default=0.0) - rim
+    high = max((values.max(initial=0.0) for values in along), default=0.0) + rim
     return max(min(low, -half), -far), min(max(high, half), far)
 
 

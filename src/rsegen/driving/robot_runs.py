@@ -68,10 +68,12 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
 
 
 def runs_along(field: StepField, robot: DrivableRobot, way: PlannedWay, count: int = 1) -> Sequence[RobotRun]:
-    """Return the runs of `count` robots along a way, one behind the other."""
+    """Return the runs of `count` robots along a way, one behind the other, also where they stop: beyond the map."""
     first = adjacent_pose(field, robot.body, float(way.points[0, 1]))
-    starts = [replace(first, x=first.x - index * (robot.body.length + GAP)) for index in range(count)]
-    return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
+    apart = robot.body.length + GAP
+    starts = [replace(first, x=first.x - index * apart) for index in range(count)]
+    routes = [partial(_along, field, robot, way, (count - 1 - index) * apart) for index in range(count)]
+    return [replace(run, way=way) for run in _named(robot, starts, routes)]
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
@@ -79,9 +81,9 @@ def finish_x(field: StepField, robot: DrivableRobot) -> float:
     return field.extent[0] / 2 - float(robot.body_or_box.low[0])
 
 
-def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
-    """Return the route along a way, and straight on from its end until the whole robot is beyond the map."""
-    ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
+def _along(field: StepField, robot: DrivableRobot, way: PlannedWay, beyond: float) -> Route:
+    """Return the route along a way, and straight on until the whole robot is some metres `beyond` the map."""
+    ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP + beyond
     points = np.append(way.points, [(goal + ahead, way.points[-1, 1])], axis=0)
     # As close together as it takes for the nearest of them to be beside the robot.
     run = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())

@@ -375,13 +375,35 @@ def encoded(
     if format not in IMAGE_FORMATS:
         raise UnknownName.among("format", "format", format, IMAGE_FORMATS)
     if is_stamped:
-        wide, high = figure.get_size_inches()
-        style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
-        figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
+        _stamp(figure)
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
         figure.savefig(stream, format=format, metadata=_metadata(format, recipe))
     return stream.getvalue()
+
+
+def _stamp(figure: Figure) -> None:
+    """Write the version into the lower right corner, below a legend at the lower edge that would reach into it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    wide, high = figure.get_size_inches()
+    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
+    stamp = figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
+    engine = figure.get_layout_engine()
+    if not figure.legends or not isinstance(engine, ConstrainedLayoutEngine):
+        return
+    legend = figure.legends[0]
+    canvas: Any = FigureCanvasAgg(figure)
+    legend.draw(canvas.get_renderer())  # it alone: a layout that is made twice is another one
+    taken = stamp.get_window_extent()
+    if any(taken.overlaps(text.get_window_extent()) for text in legend.get_texts()):
+        # A legend with an anchor has no room in the layout any more, so all else gets the rectangle above it.
+        high, room = high + _STAMP, legend.get_window_extent().height / figure.dpi + _STAMP
+        figure.set_size_inches(wide, high)
+        stamp.set_y(0.05 / high)
+        legend.set_bbox_to_anchor((0, _STAMP / high, 1, 1 - _STAMP / high), transform=figure.transFigure)
+        engine.set(rect=(0, room / high, 1, 1 - room / high))
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
@@ -438,6 +460,9 @@ _SWATCHES = 18
 
 
 _MAKER = f"rsegen {__version__}"
+
+_STAMP = 0.12
+"""Inches below a legend that the version of rsegen takes."""
 
 
 def _metadata(format: str, recipe: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
