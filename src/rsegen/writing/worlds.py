@@ -125,7 +125,7 @@ def plan_worlds(
     for sidecar in sidecars:
         sidecar.refuse(recipe)
     in_memory = [thing for sidecar in sidecars for thing in sidecar.in_memory]
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
+    at_once = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
@@ -139,7 +139,7 @@ def plan_worlds(
         to_make=[index for index in recipe.indices if index not in known] if known else recipe.indices,
         existing=existing,
         replaces=on_existing is not OnExisting.REFUSE,
-        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+        execution=replace(execution, workers=min(execution.workers, at_once)),
     )
 
 
