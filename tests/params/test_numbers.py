@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.params.lumber import DRESSED
-from rsegen.params.numbers import lengths_in
+from rsegen.params.numbers import DRESSED, lengths_in
 
 INCH, MARK = 25_400_000, 793_750
 INCHES, METRIC = lengths_in("in"), lengths_in("cm")

@@ -7,12 +7,13 @@ What is cut is written as a tape measure shows it (`Lengths.tape`): 3 1/2 in.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from math import degrees
+from types import MappingProxyType
 
-from rsegen.params.lumber import DRESSED
 from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
@@ -34,6 +35,10 @@ _POUND = 0.45359237
 
 _CUBIC_FOOT = 0.3048**3
 """Cubic metres of a cubic foot, exactly."""
+
+DRESSED: Mapping[float, int] = MappingProxyType({0.75: 1, 1.5: 2, 2.5: 3, 3.5: 4, 5.5: 6, 7.25: 8, 9.25: 10, 11.25: 12})
+"""Nominal inches by which lumber is sold in the USA and Canada, by the inches that it has when it is dry and planed
+(American Softwood Lumber Standard, PS 20)."""
 
 _TAPE = 32
 """Parts of an inch on a tape measure, the finest that a saw keeps to: the usual tolerance of a part is one of them."""

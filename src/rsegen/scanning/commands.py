@@ -290,7 +290,7 @@ def _board(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
 
 def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[str]:
     """Yield a line if a length was taken for that of lumber in inches, or could be."""
-    from rsegen.params.lumber import alternatives, dressed_inches
+    from rsegen.scanning.lumber import alternatives, dressed_inches
 
     def named(metres: float) -> str:
         name = f"{decimal(metres * 100)} cm"
