@@ -23,7 +23,7 @@ from rsegen.recipe.recipe import Recipe
 if TYPE_CHECKING:
     from rsegen.obstacles import Obstacle
     from rsegen.scene.scene import Scene
-    from rsegen.writing.targets import ChosenMap
+    from rsegen.writing.target_worlds import ChosenMap
 
 
 RECIPE = "recipe"
@@ -185,7 +185,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
     from rsegen.recipe.recipe_file import recipe_in
-    from rsegen.writing.targets import recipe_files
+    from rsegen.writing.target_worlds import recipe_files
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
@@ -198,7 +198,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 
 def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
-    from rsegen.writing.targets import one_of
+    from rsegen.writing.target_worlds import one_of
 
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
@@ -233,7 +233,7 @@ def scene_of_flags(arguments: argparse.Namespace) -> Scene:
 
 def which_map(target: str | None, which: str | None) -> Iterator[str]:
     """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
-    from rsegen.writing.targets import recipe_files
+    from rsegen.writing.target_worlds import recipe_files
 
     files = recipe_files(target) if target is not None and which is None else []
     if len(files) > 1:

@@ -376,7 +376,7 @@ def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -
     from rsegen.scanning.clouds import is_cloud
     from rsegen.scanning.scans import compare
     from rsegen.writing.resources import refuse_too_large
-    from rsegen.writing.targets import chosen_map
+    from rsegen.writing.target_worlds import chosen_map
 
     clouds = [path for path in built if is_cloud(Path(path))]
     if clouds and len(clouds) == len(built):
