@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,14 +85,6 @@ def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) ->
 def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Namespace:
     """Return arguments without some flags, which are the command's own."""
     return argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in own})
-
-
-def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
-    """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.recipe.recipe_file import named_recipe
-
-    starts = [named_recipe(name) for name in names] or [Recipe()]
-    return [with_flags(start, arguments) for start in starts]
 
 
 def has_recipe_flags(arguments: argparse.Namespace) -> bool:

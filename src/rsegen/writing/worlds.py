@@ -143,7 +143,9 @@ def plan_worlds(
     )
 
 
-def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Output[GeneratedMap]:
+def world_output(
+    scene: Scene, folder: Path, sidecars: Sequence[Sidecar], *, keeps_scene: bool = False
+) -> Output[GeneratedMap]:
     """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
     bundle = dict(export(scene))
     for sidecar in sidecars:
@@ -157,6 +159,7 @@ def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Out
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
         warnings=warnings(scene),
+        scene=scene if keeps_scene else None,
     )
     return Output(made=made, files=bundle, folder=scene.name)
 
@@ -170,6 +173,4 @@ def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
 
 def _world(recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int) -> Output[GeneratedMap]:
     """Return the files of the world of map `index`, and its scene if it is the only one."""
-    scene = compose(recipe, index)
-    output = world_output(scene, folder, sidecars)
-    return output if recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
+    return world_output(compose(recipe, index), folder, sidecars, keeps_scene=recipe.maps == 1)
