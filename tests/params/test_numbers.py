@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.params.lumber import DRESSED
 from rsegen.params.numbers import lengths_in
 
 INCH, MARK = 25_400_000, 793_750
@@ -33,15 +32,3 @@ def test_a_tape_is_off_by_half_a_mark_at_most(length: int) -> None:
 @given(st.integers(0, 10**13))
 def test_a_metric_tape_has_decimals(length: int) -> None:
     assert METRIC.tape(length) == METRIC.short(length)
-
-
-def test_lumber_is_named_by_its_nominal_section() -> None:
-    for side, nominal in DRESSED.items():
-        assert INCHES.section((round(side * INCH), round(3.5 * INCH))) == "x".join(map(str, sorted((nominal, 4))))
-    assert INCHES.section((90_000_000, 90_000_000)) == METRIC.section((88_900_000, 88_900_000)) == ""
-
-
-def test_stock_is_sold_by_the_foot() -> None:
-    assert INCHES.stock(96 * INCH) == "8 ft"
-    assert INCHES.stock(92 * INCH + 20 * MARK) == "92 5/8 in"
-    assert METRIC.stock(2_400_000_000) == "240 cm"

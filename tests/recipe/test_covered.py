@@ -33,7 +33,7 @@ def test_an_obstacle_is_covered_if_it_makes_no_block(recipe: Recipe) -> None:
     rows = [*(replace(row, blend="replace") for row in recipe.obstacles), nearly_everywhere(recipe)]
     recipe = replace(recipe, obstacles=rows)
     made, covered = owners(recipe, 3), covered_obstacles(recipe, 3)
-    with_blocks = [place.row for place in placed_obstacles(recipe, 3) if place.blocks]
+    with_blocks = [place["row"] for place in placed_obstacles(recipe, 3) if place["patch"]["blocks"]]
     assert [row for row, _ in covered] == [row for row in with_blocks if row not in made]
     assert all(row < min(over) and rows[row].enabled for row, over in covered)
 

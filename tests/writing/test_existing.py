@@ -53,7 +53,7 @@ def test_recipe_json_is_foretold(recipe: Recipe, first: int, further: int) -> No
     recipe = replace(recipe, first_map=first, maps=10, description='"first_map": 0, \\n  "first_map": 0,')
     expected = to_json(replace(recipe, first_map=first + further, maps=1)).encode()
     text = map_json(recipe, first + further)
-    rows = [row.as_json() for row in placed_obstacles(recipe, first + further) if row.by_chance]
+    rows = [*placed_obstacles(recipe, first + further, only_by_chance=True)]
     if not rows:
         assert text == expected
         return

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from rsegen.build_sheets.timber_lengths import timber_lengths_in
 from rsegen.errors import ParameterError
-from rsegen.params.numbers import decimal, lengths_in
+from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Float, validate
 
 
@@ -103,7 +104,7 @@ class CutSettings:
     def check(self, length: int, what: str, units: str) -> None:
         """Raise a ParameterError, in the units of a recipe, if the stock is too short for a part of a length [nm]."""
         if not self.fits(length):
-            written = lengths_in(units)
+            written = timber_lengths_in(units)
             problem = f"{written.tape(self.stock)} {written.unit} is too short for {what}, {written.tape(length)}"
             least = written.at_least(self.least_stock(length))
             raise ParameterError("stock_cm", f"{problem} {written.unit}; use {least} or more")

@@ -24,9 +24,10 @@ from rsegen.build_sheets.timber import (
     too_short,
     unknown_price,
 )
+from rsegen.build_sheets.timber_lengths import TimberLengths, timber_lengths_in
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_other
 from rsegen.heights.table import COLUMNS, RECIPE_KEYS
-from rsegen.params.numbers import Lengths, decimal, lengths_in
+from rsegen.params.numbers import decimal
 from rsegen.pictures.preview import pdf_bytes
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose, fingerprint
@@ -156,7 +157,7 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
         value = getattr(scene.recipe, name)
         if name != "units" or value != "cm":
             yield f"# {name}: {decimal(value) if isinstance(value, float) else value}\n"
-    written = lengths_in(scene.recipe.units)
+    written = timber_lengths_in(scene.recipe.units)
     yield from _timber(scene, settings, written)
     yield "# x (to the east) and y (to the north) count the cells of the map from 0 on with frames left out\n"
     yield "# order of placing in each pallet: row by row from the north-west; a cell without a block has none\n"
@@ -174,7 +175,7 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
                 yield f"{pallet.name},{order[i, j] or ''},{x},{y},{height}\n"
 
 
-def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
+def _timber(scene: Scene, settings: CutSettings, written: TimberLengths) -> Iterator[str]:
     needed = materials(scene.field, scene.recipe, settings)
     for block, count in length_counts(scene.field).items():
         yield f"# cut: {_counted(count, 'block')} of {written.tape(block)} {written.unit}\n"
@@ -195,7 +196,7 @@ def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[s
         yield f"# cost of the frames: {unknown_price(needed)}\n"
 
 
-def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[str]:
+def _plan(what: str, saw: str, plan: CuttingPlan, written: TimberLengths) -> Iterator[str]:
     stock = f"{_counted(plan.pieces, 'piece')} of {written.stock(plan.settings.stock)}"
     ends = f"{written.tape(plan.settings.trim)} {written.unit} of ends"
     yield f"# stock for the {what}: {stock} less {losses(plan.settings, written)} and {ends}\n"

@@ -24,8 +24,9 @@ from rsegen.build_sheets.timber import (
     too_short,
     unknown_price,
 )
+from rsegen.build_sheets.timber_lengths import TimberLengths
 from rsegen.field.stepfield import StepField
-from rsegen.params.numbers import Lengths, decimal
+from rsegen.params.numbers import decimal
 from rsegen.scene.scene import Scene, fingerprint
 
 _ABREAST = 3
@@ -177,7 +178,7 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
     return y
 
 
-def _timber(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
+def _timber(needed: Materials, written: TimberLengths) -> Iterator[tuple[str, str]]:
     """Yield the lines about timber, each a text and an amount."""
     plan, settings, (width, _) = needed.blocks, needed.blocks.settings, needed.section
     stock = written.stock(settings.stock)
@@ -195,13 +196,13 @@ def _timber(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
         yield from _boards(needed.frames, written)
 
 
-def _sold_as(section: tuple[int, int], written: Lengths) -> Iterator[tuple[str, str]]:
+def _sold_as(section: tuple[int, int], written: TimberLengths) -> Iterator[tuple[str, str]]:
     """Yield a line with the name by which lumber of a section is sold, if it has one."""
     if name := written.section(section):
         yield f"  sold as {name}, dry and planed", ""
 
 
-def _boards(frames: Mapping[int, int], written: Lengths, boards: str = " boards") -> Iterator[tuple[str, str]]:
+def _boards(frames: Mapping[int, int], written: TimberLengths, boards: str = " boards") -> Iterator[tuple[str, str]]:
     """Yield a line per length of boards."""
     for board, count in frames.items():
         yield f"  {count:,}{boards} of {written.tape(board)} {written.unit}", written.long(board * count)
@@ -274,7 +275,7 @@ def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
     page.instructions(y, _STEPS)
 
 
-def _frames(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
+def _frames(needed: Materials, written: TimberLengths) -> Iterator[tuple[str, str]]:
     if not needed.frames:
         yield "none", ""
         return
@@ -287,7 +288,7 @@ def _frames(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
         yield from ((line, "") for line in too_short(needed, written))
 
 
-def _by(sides: tuple[int, ...], written: Lengths) -> str:
+def _by(sides: tuple[int, ...], written: TimberLengths) -> str:
     return f"{' x '.join(map(written.tape, sides))} {written.unit}"
 
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rsegen.build_sheets.timber_lengths import timber_lengths_in
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.params.numbers import lengths_in
 from rsegen.scene.colours import Colour
 from rsegen.scene.scene import Scene
 
@@ -47,7 +47,7 @@ class Page:
     def __init__(self, units: str) -> None:
         from matplotlib.figure import Figure
 
-        self.written = lengths_in(units)
+        self.written = timber_lengths_in(units)
         width, height = LETTER if units == "in" else A4
         self.left, self.right, self.bottom = MARGIN, width - MARGIN, height - MARGIN
         self.across = width - 2 * MARGIN

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.build_sheets.cut_settings import CutSettings, nanometres
+from rsegen.build_sheets.timber_lengths import TimberLengths
 from rsegen.field.stepfield import Chunk, Ints, Levels, StepField
-from rsegen.params.numbers import Lengths
 from rsegen.params.sorts import Cell
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
@@ -243,12 +243,12 @@ def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
     return settings.price if settings.frame_price is None and same else settings.frame_price
 
 
-def losses(settings: CutSettings, written: Lengths) -> str:
+def losses(settings: CutSettings, written: TimberLengths) -> str:
     """Return what cuts and parts cost besides their lengths: 3 mm per cut + 0.5 mm per part."""
     return f"{written.cut(settings.kerf)} per cut + {written.cut(settings.tolerance)} per part"
 
 
-def too_short(needed: Materials, written: Lengths) -> Iterator[str]:
+def too_short(needed: Materials, written: TimberLengths) -> Iterator[str]:
     """Yield, in lines, that the stock is too short for boards, if it is, and which one is too long."""
     settings = needed.blocks.settings
     if needed.frames and needed.boards is None:

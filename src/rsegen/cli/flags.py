@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ from rsegen.recipe.recipe import Recipe
 if TYPE_CHECKING:
     from rsegen.obstacles import Obstacle
     from rsegen.scene.scene import Scene
-    from rsegen.writing.targets import ChosenMap
+    from rsegen.writing.target_worlds import ChosenMap
 
 
 RECIPE = "recipe"
@@ -85,14 +85,6 @@ def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) ->
 def _without(arguments: argparse.Namespace, own: Collection[str]) -> argparse.Namespace:
     """Return arguments without some flags, which are the command's own."""
     return argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in own})
-
-
-def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
-    """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.recipe.recipe_file import named_recipe
-
-    starts = [named_recipe(name) for name in names] or [Recipe()]
-    return [with_flags(start, arguments) for start in starts]
 
 
 def has_recipe_flags(arguments: argparse.Namespace) -> bool:
@@ -185,7 +177,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
     from rsegen.recipe.recipe_file import recipe_in
-    from rsegen.writing.targets import recipe_files
+    from rsegen.writing.target_worlds import recipe_files
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
@@ -198,7 +190,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 
 def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
-    from rsegen.writing.targets import one_of
+    from rsegen.writing.target_worlds import one_of
 
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
@@ -233,7 +225,7 @@ def scene_of_flags(arguments: argparse.Namespace) -> Scene:
 
 def which_map(target: str | None, which: str | None) -> Iterator[str]:
     """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
-    from rsegen.writing.targets import recipe_files
+    from rsegen.writing.target_worlds import recipe_files
 
     files = recipe_files(target) if target is not None and which is None else []
     if len(files) > 1:

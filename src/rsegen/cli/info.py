@@ -81,7 +81,7 @@ def _summary(scene: Scene) -> dict[str, Any]:
         "level_counts": field.level_counts(),
         "fingerprint": fingerprint(field.blocks),
         "obstacles": [obstacle.entry() for _, obstacle in recipe.enabled_obstacles],
-        "placed": [one.as_json() for one in placed_obstacles(recipe, scene.index)],
+        "placed": list(placed_obstacles(recipe, scene.index)),
         "constraints": {name: value for name, value in recipe.entry().items() if name in _CONSTRAINTS},
         "mesh_type": recipe.mesh_type,
         **costs(scene)._asdict(),

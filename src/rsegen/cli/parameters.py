@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from rsegen.params.command import Shell
 from rsegen.params.sorts import FilePath, Flag, Integer, Reference, parameters
 from rsegen.recipe.recipe import Recipe
-
-if TYPE_CHECKING:
-    pass
-
 
 Force = Annotated[bool, Flag(help="overwrite the file, or a folder that rsegen wrote and nobody has changed")]
 
@@ -53,12 +49,6 @@ MapReference = Annotated[
     int | str | None,
     Reference("an index or a name", help="index or name of the map", types=(str, int)),
     Shell(metavar="INDEX", default="the first"),
-]
-
-MapsFolder = Annotated[
-    str | Path,
-    FilePath(help="folder in which maps made from recipes are kept"),
-    Shell(("-o", "--output"), "DIR"),
 ]
 
 RESERVED_FLAGS = frozenset(

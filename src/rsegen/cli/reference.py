@@ -43,11 +43,13 @@ def run_examples(arguments: argparse.Namespace) -> Report:
     """List the examples, or copy them."""
     from rsegen.recipe.examples import EXAMPLES
     from rsegen.recipe.recipe_file import load
-    from rsegen.writing.recipe_files import copy_examples
+    from rsegen.writing.store import write_files
 
     if arguments.output is not None:
-        copies = [str(path) for path in copy_examples(Path(arguments.output), force=bool(arguments.force))]
-        return Report(lines=copies, content={"files": copies})
+        copies = {Path(arguments.output) / path.name: [path.read_bytes()] for path in EXAMPLES.values()}
+        write_files(copies, force=bool(arguments.force))
+        names = [str(path) for path in copies]
+        return Report(lines=names, content={"files": names})
     described = {name: load(path).description for name, path in EXAMPLES.items()}
     width = max(map(len, described))
     content = [{"name": name, "description": text, "file": str(EXAMPLES[name])} for name, text in described.items()]

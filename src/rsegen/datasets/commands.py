@@ -16,7 +16,7 @@ from rsegen.cli.flags import (
     add_input,
     add_recipe_flags,
     recipe_from,
-    recipes_from,
+    with_flags,
 )
 from rsegen.cli.generate import add_output_flags, generate, going_on, run_options, warnings_of
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
@@ -244,7 +244,11 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
 
 
 def _made(arguments: argparse.Namespace) -> Dataset:
-    recipes, options = recipes_from(arguments.recipes, arguments), run_options(make_dataset, arguments)
+    from rsegen.recipe.recipe import Recipe
+    from rsegen.recipe.recipe_file import named_recipe
+
+    starts = [named_recipe(name) for name in arguments.recipes] or [Recipe()]
+    recipes, options = [with_flags(start, arguments) for start in starts], run_options(make_dataset, arguments)
     resume, then = not arguments.force, "goes on" if arguments.force else "makes the others"
     maps = sum(recipe.maps for recipe in recipes)
     with how_to_go_on(*recipes, resume=resume, then=then), shards_bar(maps) as progress:

@@ -104,10 +104,10 @@ def plan_series(
     for sidecar in sidecars:
         sidecar.refuse(plan.recipe)
     refuse_busy(folder)
-    needs = check_needs(
+    at_once = check_needs(
         [plan.recipe], len(numbers), folder, "measure", [thing for sidecar in sidecars for thing in sidecar.in_memory]
     )
-    execution = replace(execution, workers=min(execution.workers, needs.maps_at_once))
+    execution = replace(execution, workers=min(execution.workers, at_once))
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP

@@ -32,7 +32,7 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution
 from rsegen.writing.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.writing.plan import OnExisting, Output, RunPlan
-from rsegen.writing.resources import Needs, check_needs, refuse_too_large
+from rsegen.writing.resources import check_needs, refuse_too_large
 from rsegen.writing.store import (
     new_root,
     open_store,
@@ -159,7 +159,7 @@ def plan_exports(
     execution, sidecar = execution or Execution(), FormatFiles.of(formats)
     for recipe in recipes:
         sidecar.refuse(recipe)
-    maps, needs = _checked_maps(recipes, folder, formats)
+    maps, at_once = _checked_maps(recipes, folder, formats)
     planned = [planned_export(recipe, index, folder, sidecar.formats, on_existing) for recipe, index in maps]
     return RunPlan(
         folder=folder,
@@ -168,23 +168,23 @@ def plan_exports(
         to_make=[export for export in planned if export.formats],
         existing=[export for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
-        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+        execution=replace(execution, workers=min(execution.workers, at_once)),
     )
 
 
 def _checked_maps(
     recipes: Sequence[Recipe], folder: Path, formats: Sequence[Format]
-) -> tuple[Sequence[tuple[Recipe, int]], Needs]:
-    """Return every map of some recipes, and what they need; raises as `export_maps` does."""
+) -> tuple[Sequence[tuple[Recipe, int]], int]:
+    """Return every map of some recipes, and how many of them fit into memory at once; raises as `export_maps` does."""
     refuse_busy(folder)
-    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, things=formats)
+    at_once = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, things=formats)
     maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
     seen = set()
     for name in (recipe.map_name(index) for recipe, index in maps):
         if name in seen:
             raise OutputError(f"{folder / name}: two of the maps have this name; export them into separate folders")
         seen.add(name)
-    return maps, needs
+    return maps, at_once
 
 
 def planned_export(

@@ -1,7 +1,6 @@
 """SDF texts for both Gazebo Classic 11 and Gazebo Sim: version 1.6, no plugins, no downloads.
 
-Everything is text in pieces, so that a world of many models is written while it is made. Gazebo Sim's systems have
-other names in Fortress than later: `DiffDrive` is ignition-gazebo-diff-drive-system there, gz-sim-... later.
+Everything is text in pieces, so that a world of many models is written while it is made.
 """
 
 from __future__ import annotations
@@ -176,28 +175,3 @@ _LINE = "\n" + " " * 10
 
 def _friction(mu: float) -> str:
     return f"<friction><ode><mu>{decimal(mu)}</mu><mu2>{decimal(mu)}</mu2></ode></friction>"
-
-
-class SystemName(NamedTuple):
-    """The name of a system's library, without the version, and of its class."""
-
-    library: str
-    class_name: str
-
-
-def prefixes(backend: str) -> SystemName:
-    """Return the beginning of the names of all systems; backend: `fortress`, or `sim` for all later versions."""
-    return SystemName("gz-sim", "gz::sim") if backend == "sim" else SystemName("ignition-gazebo", "ignition::gazebo")
-
-
-_ONE_WORD = ("NavSat", "ForceTorque")
-"""Systems whose libraries are named without a hyphen inside."""
-
-
-def system_name(kind: str, backend: str) -> SystemName:
-    """Return the name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
-    library, namespace = prefixes(backend)
-    if kind in _ONE_WORD:
-        return SystemName(f"{library}-{kind.lower()}-system", f"{namespace}::systems::{kind}")
-    words = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in kind)
-    return SystemName(f"{library}{words}-system", f"{namespace}::systems::{kind}")

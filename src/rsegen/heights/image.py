@@ -19,8 +19,8 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.heights import geotiff
 from rsegen.heights.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.heights.coordinate_system import CellSides
+from rsegen.heights.image_files import numbers_of, opened_image
 from rsegen.heights.measured import Measured
-from rsegen.input_files import numbers_of, opened_image
 from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
 
 if TYPE_CHECKING:

@@ -131,7 +131,7 @@ def _warn(text: str) -> None:
 
 def _maps_in(given: str | None) -> Iterator[str]:
     """Yield the command that opens each map in a given folder of maps, a line each: the page opens none of them."""
-    from rsegen.writing.targets import recipe_files_in
+    from rsegen.writing.target_worlds import recipe_files_in
 
     if given is None or not Path(given).is_dir() or Path(given, "recipe.json").exists():
         return

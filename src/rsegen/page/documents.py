@@ -17,7 +17,7 @@ from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Kind, kind_of, names_in
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import recipe_in
-from rsegen.writing.targets import recipe_files
+from rsegen.writing.target_worlds import recipe_files
 
 
 class EditedState(State):

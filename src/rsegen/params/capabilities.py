@@ -182,13 +182,8 @@ def public_names() -> Mapping[str, str]:
 
 def home_of(name: str) -> str:
     """Return the module of a public name; empty for another one. Other packages are asked for those they alone have."""
-    return _own_public_names().get(name) or public_names().get(name, "")
-
-
-@cache
-def _own_public_names() -> Mapping[str, str]:
-    """Return the module of every public name of rsegen's own capabilities."""
-    return MappingProxyType({name: module for known in own_capabilities().values() for name, module in _public(known)})
+    own = (module for known in own_capabilities().values() for public, module in _public(known) if public == name)
+    return next(own, "") or public_names().get(name, "")
 
 
 def _public(capability: Capability) -> Iterator[tuple[str, str]]:

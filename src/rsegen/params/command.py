@@ -97,13 +97,10 @@ class Declared(NamedTuple):
         return f"{text} ({details})" if details else text
 
 
-def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
-    """Return the declared parameters of a command, or of a dataclass of options, in their order."""
-    return _declared(unwrap(owner))
-
-
 @cache
-def _declared(owner: Any) -> Mapping[str, Declared]:
+def declared(owner: Any) -> Mapping[str, Declared]:
+    """Return the declared parameters of a command, or of a dataclass of options, in their order."""
+    owner = unwrap(owner)
     annotations = hints(owner)
     if is_dataclass(owner):
         defaults = {

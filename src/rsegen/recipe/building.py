@@ -10,7 +10,6 @@ The cost is one pass over the cells that each obstacle covers; constraints cost 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -76,56 +75,24 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
     return first, last, obstacle.patch(recipe.grid, first, last, rng)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PlacedObstacle:
-    """Place of an obstacle in one map, in block cells, frames left out.
+def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[dict[str, Json]]:
+    """Yield where each obstacle that is switched on lies in map `index`, as JSON, random ends as they were drawn.
 
-    row: its row in the recipe; first, last: its ends; low, high: corners of the rectangle of the blocks that it covers,
-    None without any; blocks: how many these are; by_chance: whether an end was drawn
+    In block cells, frames left out: `first` and `last` are its ends, `patch` the number of `blocks` that it covers and,
+    if there are any, the corners of their rectangle, `from` and `to`. only_by_chance: leave out those of fixed ends
     """
-
-    row: int
-    kind: str
-    first: Cell
-    last: Cell
-    low: Cell | None
-    high: Cell | None
-    blocks: int
-    by_chance: bool
-
-    def as_json(self) -> dict[str, Json]:
-        """Return the row, the ends and the patch as JSON values."""
-        corners = [list(corner) for corner in (self.low, self.high) if corner is not None]
-        patch = dict(zip(("from", "to"), corners, strict=False)) | {"blocks": self.blocks}
-        ends = {"first": list(self.first), "last": list(self.last)}
-        return {"row": self.row, "kind": self.kind, **ends, "patch": patch}
-
-
-def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[PlacedObstacle]:
-    """Yield where each obstacle that is switched on lies in map `index`, random ends as they were drawn."""
     for row, obstacle in recipe.enabled_obstacles:
-        by_chance = fixed_ends(recipe.grid, obstacle) is None
-        if only_by_chance and not by_chance:
+        if only_by_chance and fixed_ends(recipe.grid, obstacle) is not None:
             continue
         with inside(f"obstacles[{row}]"):
             first, last, patch = placed(recipe, obstacle, index)
-        covered = np.nonzero(patch.footprint)
-        low, high = None, None
-        if len(covered[0]):
+        covered, corners = np.nonzero(patch.footprint), {}
+        if blocks := len(covered[0]):
             starts = [part.indices(n)[0] for part, n in zip(patch.window, recipe.grid.shape, strict=True)]
-            low, high = (
-                (starts[0] + int(far(covered[0])), starts[1] + int(far(covered[1]))) for far in (np.min, np.max)
-            )
-        yield PlacedObstacle(
-            row=row,
-            kind=obstacle.kind,
-            first=(int(first[0]), int(first[1])),
-            last=(int(last[0]), int(last[1])),
-            low=low,
-            high=high,
-            blocks=len(covered[0]),
-            by_chance=by_chance,
-        )
+            for name, far in (("from", np.min), ("to", np.max)):
+                corners[name] = [start + int(far(at)) for start, at in zip(starts, covered, strict=True)]
+        ends = {"first": [int(at) for at in first], "last": [int(at) for at in last]}
+        yield {"row": row, "kind": obstacle.kind, **ends, "patch": {**corners, "blocks": blocks}}
 
 
 def fixed_ends(grid: Grid, obstacle: Obstacle) -> tuple[Cell, Cell] | None:

@@ -188,7 +188,7 @@ def map_json(recipe: Recipe, index: int) -> bytes:
     """Return the JSON file of map `index` of a recipe and no other, with the places that chance gave in it."""
     before, after = _around_index(recipe)
     text = before + (b'\n  "first_map": %d,' % index if index else b"") + after
-    rows = [f"    {json.dumps(one.as_json())}" for one in placed_obstacles(recipe, index, only_by_chance=True)]
+    rows = [f"    {json.dumps(place)}" for place in placed_obstacles(recipe, index, only_by_chance=True)]
     if not rows:
         return text
     return text.removesuffix(b"\n}\n") + (',\n  "placed": [\n' + ",\n".join(rows) + "\n  ]\n}\n").encode()

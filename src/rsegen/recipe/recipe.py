@@ -176,6 +176,12 @@ def with_maps(recipe: Recipe, maps: int | None) -> Recipe:
     return recipe if maps is None else replace(recipe, maps=maps)
 
 
+def index_of(recipe: Recipe, which: str) -> int | None:
+    """Return the index of a recipe's map that is given by index or name; None if it has no such map."""
+    digits = which.removeprefix(f"{recipe.name}_")
+    return int(digits) if digits.isdecimal() and len(digits) < 20 and int(digits) in recipe.indices else None
+
+
 def as_recipes(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
     """Return one recipe or several as a tuple; ParameterError if it is neither."""
     recipes = (given,) if isinstance(given, Recipe) else given

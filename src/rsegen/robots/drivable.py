@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
-from rsegen.gazebo.sdf import prefixes
-from rsegen.robots.drives import Drive, Tracks, pose_publisher
+from rsegen.robots.drives import Drive, Tracks, pose_publisher, prefixes
 from rsegen.robots.holding import hold, turn_to_the_left
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import cos, inf, sin
 from typing import Any, NamedTuple
 
-from rsegen.gazebo.sdf import numbers, system_name
+from rsegen.gazebo.sdf import numbers
 
 BACKENDS = ("classic", "sim", "fortress")
 """Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""
@@ -46,6 +46,31 @@ def twist_text(v: float, w: float) -> str:
 def classic(library: str, name: str, inner: str) -> str:
     """Return a plug-in of Gazebo Classic."""
     return f'      <plugin filename="lib{library}Plugin.so" name="{name}">{inner}</plugin>\n'
+
+
+class SystemName(NamedTuple):
+    """The name of a system's library, without the version, and of its class."""
+
+    library: str
+    class_name: str
+
+
+def prefixes(backend: str) -> SystemName:
+    """Return the beginning of the names of all systems; backend: `fortress`, or `sim` for all later versions."""
+    return SystemName("gz-sim", "gz::sim") if backend == "sim" else SystemName("ignition-gazebo", "ignition::gazebo")
+
+
+_ONE_WORD = ("NavSat", "ForceTorque")
+"""Systems whose libraries are named without a hyphen inside."""
+
+
+def system_name(kind: str, backend: str) -> SystemName:
+    """Return the name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
+    library, namespace = prefixes(backend)
+    if kind in _ONE_WORD:
+        return SystemName(f"{library}-{kind.lower()}-system", f"{namespace}::systems::{kind}")
+    words = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in kind)
+    return SystemName(f"{library}{words}-system", f"{namespace}::systems::{kind}")
 
 
 def system(kind: str, simulator: str, inner: str = "") -> str:

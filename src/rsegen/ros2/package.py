@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 
-from rsegen.gazebo.sdf import system_name
+from rsegen.robots.drives import system_name
 from rsegen.ros2.configuration import CLOCK, RVIZ_CONFIG, bridge_yaml, robot_topics
 
 _PACKAGE_XML = """\

@@ -28,7 +28,8 @@ from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
 from rsegen.geometry.obj_corners import counted_forwards
 from rsegen.heights.base import is_esri_grid
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
-from rsegen.input_files import first_inside, numbers_of, open_regular, opened_image, text_of
+from rsegen.heights.image_files import numbers_of, opened_image
+from rsegen.input_files import first_inside, open_regular, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with
 from rsegen.params.sorts import CENTIMETRES

@@ -290,7 +290,7 @@ def _board(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
 
 def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[str]:
     """Yield a line if a length was taken for that of lumber in inches, or could be."""
-    from rsegen.params.lumber import alternatives, dressed_inches
+    from rsegen.scanning.lumber import alternatives, dressed_inches
 
     def named(metres: float) -> str:
         name = f"{decimal(metres * 100)} cm"
@@ -376,7 +376,7 @@ def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -
     from rsegen.scanning.clouds import is_cloud
     from rsegen.scanning.scans import compare
     from rsegen.writing.resources import refuse_too_large
-    from rsegen.writing.targets import chosen_map
+    from rsegen.writing.target_worlds import chosen_map
 
     clouds = [path for path in built if is_cloud(Path(path))]
     if clouds and len(clouds) == len(built):

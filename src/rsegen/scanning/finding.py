@@ -24,7 +24,6 @@ import numpy as np
 from rsegen.errors import ScanError
 from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import CENTIMETRES, Cell
 from rsegen.scanning.evidence import FEWEST_BITS, MOST_MIXED, bits_saved, cells_per_block, mixed_share, times_narrower
 from rsegen.scanning.extent import (
@@ -44,6 +43,7 @@ from rsegen.scanning.extent import (
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, board_below, find_unit, levelled, read_cells, units_per_level
+from rsegen.scanning.lumber import sold_length
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
 
 _FEWEST_POINTS = 500

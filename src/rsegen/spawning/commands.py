@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.edge import in_flags
 from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
-from rsegen.cli.parameters import MapReference, MapsFolder
+from rsegen.cli.parameters import MapReference
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors
 from rsegen.params.sorts import (
+    FilePath,
     Float,
     Json,
     ListOf,
@@ -37,6 +38,13 @@ if TYPE_CHECKING:
 
 ModelName = Annotated[
     str | None, Text(r"[^\x00-\x1f]{1,200}", "a name", help="name of the model"), Shell(metavar="NAME")
+]
+
+
+MapsFolder = Annotated[
+    str | Path,
+    FilePath(help="folder in which maps made from recipes are kept"),
+    Shell(("-o", "--output"), "DIR"),
 ]
 
 

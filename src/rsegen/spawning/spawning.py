@@ -40,8 +40,7 @@ from rsegen.spawning.map_models import MapModel, known_recipes, map_model, map_o
 from rsegen.spawning.placement import GROUND, RADIUS, Area, SpawnedMap, free_area, model_radius, occupied
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
-from rsegen.writing.target_worlds import Target, path_of
-from rsegen.writing.targets import recipe_files
+from rsegen.writing.target_worlds import Target, path_of, recipe_files
 
 
 def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:

@@ -110,17 +110,13 @@ def executor_of(
 
     They are those of a cluster if one is given, and this process alone if one worker is.
     """
-    workers = min(execution.workers, MOST)
-    if execution.scheduler is not None:
-        with _cluster(execution.scheduler, workers) as (executor, there, check):
-            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, there), there, check)
-    elif workers <= 1:
+    most = min(execution.workers, MOST)
+    if execution.scheduler is None and most <= 1:
         yield lambda items: _here(work, _batches(items, seconds, 1))
-    else:
-        with _processes(workers) as (executor, check):
-            yield lambda items: _in_order(
-                executor, with_plugins(work), _batches(items, seconds, workers), workers, check
-            )
+        return
+    opened = _processes(most) if execution.scheduler is None else _cluster(execution.scheduler, most)
+    with opened as (executor, workers, check):
+        yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers, check)
 
 
 def _here(work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]]) -> Iterator[Result]:
@@ -174,8 +170,8 @@ def _result(future: Future[Result], check: Callable[[], object]) -> Result:
 
 
 @contextmanager
-def _processes(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
-    """Yield an executor of processes, and a check that all are still there; however this ends, none is left."""
+def _processes(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+    """Yield an executor of processes, how many there are, and a check that all still are; at the end none is left."""
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
@@ -193,7 +189,7 @@ def _processes(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
             raise BrokenProcessPool
 
     try:
-        yield pool, check
+        yield pool, workers, check
     except BaseException as error:
         sender.close()
         # A worker may end in the middle of a long result. The pool's thread would wait for the rest of it for ever, as

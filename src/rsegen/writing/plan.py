@@ -22,13 +22,12 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, Stuck, UserError, WriteError, system_reason
 from rsegen.input_files import JOURNAL, Checksum
 from rsegen.recipe.codec import map_json
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe import Recipe, index_of
 from rsegen.writing.execute import Execution, execute
 from rsegen.writing.journal import compare, journal_text, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.writing.stop import held
 from rsegen.writing.store import NOTES, Store, new_root, open_store, stage_all
 from rsegen.writing.swap import sync_trees
-from rsegen.writing.targets import index_of
 
 if TYPE_CHECKING:
     from rsegen.writing.dry import Notes
@@ -174,13 +173,13 @@ def _noted(noted: Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Ma
 def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: int) -> BaseException:
     """Return what ended a run as the error that also says what is left: exit code 2 means that nothing was changed."""
     left, stuck = f"nothing was changed in {plan.folder}", store.swaps.words()
-    if store.changed:
+    if store.swaps.changed:
         complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
         rest = "; the others are as they were" if plan.replaces and not stuck else ""
         left = f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
     if isinstance(error, KeyboardInterrupt):
-        return Stopped(left, changed=store.changed)
-    if not store.changed:
+        return Stopped(left, changed=store.swaps.changed)
+    if not store.swaps.changed:
         return error
     if isinstance(error, OSError):
         kind = Stuck if stuck else WriteError

@@ -1,17 +1,15 @@
-"""Write recipe files, and copies of the included ones: whole or not at all."""
+"""Write recipe files, whole or not at all."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from rsegen.errors import refuse_other
 from rsegen.params.sorts import FilePath
 from rsegen.recipe.codec import to_json
-from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import to_yaml
-from rsegen.writing.store import write_file, write_files
+from rsegen.writing.store import write_file
 
 
 def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
@@ -35,10 +33,3 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
     path = FilePath("a file").check("path", path)
     text = to_json(recipe, derived_keys=False) if path.suffix.lower() == ".json" else to_yaml(recipe)
     write_file([text.encode()], path, force=force)
-
-
-def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
-    """Write the included recipes into a folder, all or none of them; return their paths."""
-    copies = {folder / path.name: [path.read_bytes()] for path in EXAMPLES.values()}
-    write_files(copies, force=force)
-    return list(copies)

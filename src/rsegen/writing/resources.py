@@ -10,7 +10,6 @@ import math
 import shutil
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 from typing import Literal, Protocol
@@ -73,40 +72,24 @@ MOST_WORK = 2 * 10**10
 _UNITS = ("bytes", "kB", "MB", "GB", "TB")  # powers of 1000, as disks are sold
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Needs:
-    """Bytes that a run needs at the least, and how many of its maps fit into the free memory at the same time.
-
-    results_memory: for what is known of all maps at the end   disk: for all files
-    """
-
-    results_memory: int
-    disk: int
-    maps_at_once: int
-
-
 def check_needs(
     recipes: Sequence[Recipe], maps: int, folder: Path, step: Step = "build", things: Collection[InMemory] = ()
-) -> Needs:
-    """Return the needs of a run of this number of maps; TooLarge if less memory or disk space is free.
+) -> int:
+    """Return how many maps of a run fit into memory at once; TooLarge if it needs more memory or disk than is free.
 
     step: the one of all that are made of a map which needs the most memory, besides these things
     """
     # The largest map decides, as maps are made one by one; their results stay until the end, and all files on the disk.
     free = _free_memory()
     largest = max((_checked_memory(recipe, step, things, free) for recipe in recipes), default=0)
-    needs = Needs(
-        results_memory=maps * BYTES_PER_MAP,
-        disk=maps * DISK_BYTES_PER_MAP,
-        maps_at_once=max(1, free // (largest + BYTES_PER_WORKER)),
-    )
-    for what, size, most in (("memory", needs.results_memory, free), ("disk", needs.disk, _free_disk(folder))):
+    results, files = maps * BYTES_PER_MAP, maps * DISK_BYTES_PER_MAP
+    for what, size, most in (("memory", results, free), ("disk", files, _free_disk(folder))):
         if size > most:
             raise TooLarge(
                 f"maps: {shown(maps)} maps need {format_bytes(size)} of {what} or more, {format_bytes(most)} are free; "
                 "make fewer, and the next ones from first_map on"
             )
-    return needs
+    return max(1, free // (largest + BYTES_PER_WORKER))
 
 
 def refuse_too_large(recipe: Recipe, step: Step = "build", things: Collection[InMemory] = ()) -> None:

@@ -99,12 +99,5 @@ def with_sidecars(function: F) -> F:
         for kind in sidecar_kinds()
     ]
     function.__signature__ = shape.replace(parameters=[*own, *added])  # type: ignore[attr-defined]  # PEP 362
-    function.__annotations__ = {
-        **{
-            name: hint
-            for name, hint in function.__annotations__.items()
-            if name in shape.parameters or name == "return"
-        },
-        **{kind.name: kind.parameter for kind in sidecar_kinds()},
-    }
+    function.__annotations__ = function.__annotations__ | {kind.name: kind.parameter for kind in sidecar_kinds()}
     return function

@@ -45,7 +45,7 @@ from rsegen.writing.journal import (
 )
 from rsegen.writing.lock import Lock, refuse_locked
 from rsegen.writing.stop import held
-from rsegen.writing.swap import NotPutBack, sync, sync_trees
+from rsegen.writing.swap import sync, sync_trees
 from rsegen.writing.undo import Swaps, make_folder, remove_empty
 
 if TYPE_CHECKING:
@@ -99,7 +99,6 @@ class Store:
         self.lock: Lock = Lock(folder, self.home)
         self.staging: Path = self.home / "new"
         self.sync: bool = sync
-        self.changed: bool = False
         self.is_done: bool = False
         self.swaps: Swaps = Swaps(folder)
         self._renamed_in: set[Path] = set()
@@ -120,7 +119,7 @@ class Store:
                 raise taken(place)
             refuse_link(place)
             refuse_locked(place)
-        with held(), self._changing(), self.swaps.all_or_none() as undo:
+        with held(), self.swaps.all_or_none() as undo:
             self.swaps.swap(root, place, undo, replaces=replaces)
             if replaces:
                 self.swaps.refuse_loss(root, holds, place, undo)
@@ -182,7 +181,7 @@ class Store:
         if below:
             refuse_locked(folder)
         listed = journal.announced(files, holds) if holds or journal.content else nullcontext()
-        with held(), self._changing(), listed, self.swaps.all_or_none() as undo:
+        with held(), listed, self.swaps.all_or_none() as undo:
             for name in units:
                 self.swaps.swap(root / name, folder / name, undo, replaces=name in existing)
         if gone:
@@ -192,16 +191,6 @@ class Store:
         self._renamed_in |= {(folder / name).parent for name in units}
         _remove(root)
 
-    @contextmanager
-    def _changing(self) -> Iterator[None]:
-        """Note that something is changed: by what is done inside, or by what could not be taken back of it."""
-        try:
-            yield
-        except NotPutBack:
-            self.changed = True
-            raise
-        self.changed = True
-
     def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
 
@@ -209,7 +198,7 @@ class Store:
         """Append a result to the journal, which has begun."""
         self.lock.check()
         self.journal.note(result)
-        self.changed = True
+        self.swaps.changed = True
 
     def sync_names(self) -> None:
         """Wait until the disk has the names of what was put in place, unless nobody asked for it."""
@@ -297,14 +286,14 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
                 store.is_done = True
             finally:
                 _close(store)
-                if store.changed or any(folder.iterdir()):
+                if store.swaps.changed or any(folder.iterdir()):
                     undo.pop_all()
     except (RsegenError, Stopped):
         raise
     except KeyboardInterrupt:
         what = output or folder
-        left = f"what is complete in {what} stays" if store.changed else f"nothing was changed in {what}"
-        raise Stopped(left, changed=store.changed) from None
+        left = f"what is complete in {what} stays" if store.swaps.changed else f"nothing was changed in {what}"
+        raise Stopped(left, changed=store.swaps.changed) from None
     except OSError as error:
         raise _write_error(store, output or folder, error, is_hidden_new=is_hidden_new) from error
 
@@ -316,7 +305,7 @@ def _write_error(store: Store, what: Path, error: OSError, *, is_hidden_new: boo
         return Stuck(f"{problem}{words}")
     if is_hidden_new and os.path.lexists(store.home):
         return WriteError(f"{problem}; unfinished files lie in {store.home}, and the next run removes them")
-    if store.changed:
+    if store.swaps.changed:
         return WriteError(problem)
     return (OutputError if error.errno in REFUSED else WriteError)(f"{problem}; nothing was changed")
 
@@ -325,7 +314,7 @@ def _close(store: Store) -> None:
     """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
     try:
         # Also if the run that was stopped had made all of it, and this one nothing.
-        if (store.changed or store.is_done) and "journal" in vars(store):
+        if (store.swaps.changed or store.is_done) and "journal" in vars(store):
             store.journal.tidy()
         if store.lock.is_taken and not store.swaps.stuck:
             store.clear()

@@ -1,6 +1,11 @@
-"""The world that a target stands for: a world file, that in a map's folder, or one made of a recipe or scene.
+"""What a target stands for: recipe files, one map of them, and its world.
 
-A world on disk is opened as it is; one of a recipe is made in a temporary folder that lasts as long as the simulator.
+    path or name --recipe_files--> recipe.json of a map, of each map in a folder, an example, or a recipe file
+                 --chosen_map----> one map, by its index or name, by default the first
+                 --world_of------> a world file, that in a map's folder, or one made of a recipe or scene
+
+DIR#17, a map of a data set, can be given wherever a recipe file can; a file of that very name comes first. A world on
+disk is opened as it is; one of a recipe is made in a temporary folder that lasts as long as the simulator.
 """
 
 from __future__ import annotations
@@ -8,26 +13,75 @@ from __future__ import annotations
 import errno
 import os
 import os.path
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.gazebo import export
 from rsegen.input_files import unreadable
-from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import load
+from rsegen.recipe.recipe import Recipe, index_of
+from rsegen.recipe.recipe_file import load, or_example, recipe_in
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import write_folder
-from rsegen.writing.targets import chosen_map, map_index
 
 Target: TypeAlias = "Recipe | Scene | str | os.PathLike[str]"
 """A recipe, a scene, or the path or name that the command line takes: a world file, a recipe file, an example, the
 folder of a map or of maps, or DIR#17 of a data set."""
+
+
+class ChosenMap(NamedTuple):
+    """A map of a recipe, and the file that the recipe is from."""
+
+    file: Path
+    recipe: Recipe
+    map: int
+
+
+def recipe_files_in(folder: Path) -> list[Path]:
+    """Return the recipe files of the maps in a folder, in the order of their names."""
+    return sorted(folder.glob("*/recipe.json"))
+
+
+def recipe_files(target: str) -> list[Path]:
+    """Return a recipe's file, or that of a map's folder, or of every map in a folder; FileError if there is none."""
+    path = or_example(target)
+    own = path / "recipe.json" if os.path.isdir(target) else path
+    files = [own] if own == path or own.is_file() else recipe_files_in(path)
+    if not files:
+        raise FileError(
+            f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json; DIR#0 is one of a data set)"
+        )
+    return files
+
+
+def chosen_map(target: str, which: str | None, where: str = "map") -> ChosenMap:
+    """Return the given map of a target, or the first; errors about `which` name the flag or parameter `where`."""
+    files = recipe_files(target)
+    if which is not None and which.isdecimal():  # an index that maps of several recipes in the folder may have
+        like = [file.parent.name for file in files if re.fullmatch(rf".*_0*{int(which[:20])}", file.parent.name)]
+        if len(like) > 1:
+            raise ParameterError(where, f"{shown(which)} may be {' or '.join(like[:3])}; use the full name")
+    return one_of(((file, recipe_in(file)) for file in files), which, target, where)
+
+
+def one_of(
+    recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "map"
+) -> ChosenMap:
+    """Return the given map of some recipes, each with its file, or the first; a message calls them `target`."""
+    names = []
+    for file, recipe in recipes:
+        index = recipe.first_map if which is None else index_of(recipe, str(which))
+        if index is not None:
+            return ChosenMap(file, recipe, index)
+        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+    known = "..".join(dict.fromkeys([names[0], names[-1]]))  # one name of a single map
+    raise ParameterError(where, f"there is no map {shown(which)} in {target}; use an index or name, {known}")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -90,7 +144,7 @@ def chosen(target: Target, which: int | str | None) -> tuple[Recipe, Path | None
     if isinstance(target, Scene):
         return target.alone, None, target
     if isinstance(target, Recipe):
-        return target.alone(map_index(target, which)), None, None
+        return target.alone(one_of([(Path(), target)], which, "the recipe").map), None, None
     path = path_of(target)
     file, recipe, index = chosen_map(path, None if which is None else str(which))
     return recipe.alone(index), file.parent if os.path.isdir(path) else None, None

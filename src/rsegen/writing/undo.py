@@ -25,10 +25,11 @@ from rsegen.writing.swap import NotPutBack, exchange, put
 
 
 class Swaps:
-    """The swaps of a folder; `stuck` are the places at which one could not be taken back."""
+    """The swaps of a folder; `changed`: whether any stays; `stuck`: the places at which one could not be taken back."""
 
     def __init__(self, folder: Path) -> None:
         self._folder, self._home = folder, folder / HIDDEN
+        self.changed = False
         self.stuck: dict[Path, str] = {}
 
     @contextmanager
@@ -42,8 +43,10 @@ class Swaps:
         except Exception as error:
             if len(self.stuck) == before:
                 raise
+            self.changed = True
             code, why = (error.errno, error.strerror) if isinstance(error, OSError) else (errno.EIO, str(error))
             raise NotPutBack(code, why) from error
+        self.changed = True
 
     def swap(self, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""

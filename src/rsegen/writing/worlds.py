@@ -125,7 +125,7 @@ def plan_worlds(
     for sidecar in sidecars:
         sidecar.refuse(recipe)
     in_memory = [thing for sidecar in sidecars for thing in sidecar.in_memory]
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
+    at_once = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
@@ -139,11 +139,13 @@ def plan_worlds(
         to_make=[index for index in recipe.indices if index not in known] if known else recipe.indices,
         existing=existing,
         replaces=on_existing is not OnExisting.REFUSE,
-        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+        execution=replace(execution, workers=min(execution.workers, at_once)),
     )
 
 
-def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Output[GeneratedMap]:
+def world_output(
+    scene: Scene, folder: Path, sidecars: Sequence[Sidecar], *, keeps_scene: bool = False
+) -> Output[GeneratedMap]:
     """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
     bundle = dict(export(scene))
     for sidecar in sidecars:
@@ -157,6 +159,7 @@ def world_output(scene: Scene, folder: Path, sidecars: Sequence[Sidecar]) -> Out
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
         warnings=warnings(scene),
+        scene=scene if keeps_scene else None,
     )
     return Output(made=made, files=bundle, folder=scene.name)
 
@@ -170,6 +173,4 @@ def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
 
 def _world(recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int) -> Output[GeneratedMap]:
     """Return the files of the world of map `index`, and its scene if it is the only one."""
-    scene = compose(recipe, index)
-    output = world_output(scene, folder, sidecars)
-    return output if recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
+    return world_output(compose(recipe, index), folder, sidecars, keeps_scene=recipe.maps == 1)

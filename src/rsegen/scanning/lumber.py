@@ -7,12 +7,9 @@ that are closer to each other than a scan can measure, such as 139.7 and 140 mm:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Iterator, Sequence
 
-DRESSED: Mapping[float, int] = MappingProxyType({0.75: 1, 1.5: 2, 2.5: 3, 3.5: 4, 5.5: 6, 7.25: 8, 9.25: 10, 11.25: 12})
-"""Nominal inches by which lumber is sold in the USA and Canada, by the inches that it has when it is dry and planed
-(American Softwood Lumber Standard, PS 20)."""
+from rsegen.params.numbers import DRESSED
 
 _INCH = 0.0254
 _NEARLY = 0.015

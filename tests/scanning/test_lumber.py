@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.params.lumber import DRESSED, alternatives, dressed_inches, sold_length
+from rsegen.params.numbers import DRESSED
+from rsegen.scanning.lumber import alternatives, dressed_inches, sold_length
 
 
 @pytest.mark.parametrize("sold", [0.0381, 0.0635, 0.075, 0.0889, 0.09, 0.095, 0.1, 0.05])

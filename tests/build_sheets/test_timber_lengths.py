@@ -1,0 +1,21 @@
+"""Timber as it is sold: by the foot, and by the name of its section."""
+
+from __future__ import annotations
+
+from rsegen.build_sheets.timber_lengths import timber_lengths_in
+from rsegen.params.numbers import DRESSED
+
+INCH, MARK = 25_400_000, 793_750
+INCHES, METRIC = timber_lengths_in("in"), timber_lengths_in("cm")
+
+
+def test_lumber_is_named_by_its_nominal_section() -> None:
+    for side, nominal in DRESSED.items():
+        assert INCHES.section((round(side * INCH), round(3.5 * INCH))) == "x".join(map(str, sorted((nominal, 4))))
+    assert INCHES.section((90_000_000, 90_000_000)) == METRIC.section((88_900_000, 88_900_000)) == ""
+
+
+def test_stock_is_sold_by_the_foot() -> None:
+    assert INCHES.stock(96 * INCH) == "8 ft"
+    assert INCHES.stock(92 * INCH + 20 * MARK) == "92 5/8 in"
+    assert METRIC.stock(2_400_000_000) == "240 cm"
