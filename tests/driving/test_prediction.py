@@ -10,15 +10,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.driving.planning import _way_back, northward, predict_way, predictions, predictor_for
-from rsegen.driving.prediction import FIRST, MOST, PRIOR, Prediction, Predictor, spread_drive, until_decided
+from rsegen.driving.prediction import PRIOR, Prediction, Predictor, spread_drive, until_decided
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import planned_way
-from rsegen.driving.spread import FRICTION, HEADING, HEIGHT, START, spread_run
+from rsegen.driving.spread import (
+    BEARING,
+    FIRST,
+    FRICTION,
+    HEADING,
+    HEIGHT,
+    MOST,
+    POSITION,
+    START,
+    Mislocated,
+    spread_run,
+)
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene, compose
@@ -117,6 +129,24 @@ def test_a_spread_has_the_errors_that_it_states() -> None:
     near = heights[np.isfinite(heights)]
     assert 0 < len(near) < len(heights), "blocks that it cannot touch are as drawn"
     assert near.std() == pytest.approx(HEIGHT, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "group", [range(FIRST), range(FIRST, MOST), range(MOST, 2 * MOST), range(50 * MOST, 51 * MOST)]
+)
+def test_drives_that_decide_together_have_an_error_in_each_of_its_parts(group: range) -> None:
+    """Else six of them may all have more friction than usual, and say that a robot crosses for certain."""
+    (run,) = robot_runs(FLOOR.field, ROBOTS["jackal"], "straight", count=1, seed=1)
+    errors = []
+    for number in group:
+        erring, built = spread_run(FLOOR, run, number)
+        route = erring.route()
+        assert isinstance(route, Mislocated)
+        start = (erring.start.y - run.start.y) / START, erring.start.yaw / HEADING
+        errors.append((*start, route.aside / POSITION, route.turn / BEARING, np.log(built.friction) / FRICTION))
+    parts = np.floor(norm.cdf(errors) * len(group)).astype(int)
+    assert np.array_equal(np.sort(parts, axis=0), np.tile(np.arange(len(group))[:, None], 5))
+    assert len(np.unique(parts, axis=1).T) == 5, "errors are independent of each other"
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ from rsegen.driving.drive_metrics import SLOW, TIPPED, Course, Incident, drive_m
 from rsegen.driving.recording import PERIOD, RobotRun, drive_in_steps, trajectories
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import Motion, PlannedWay, Route, wrapped
-from rsegen.driving.spread import spread_run
+from rsegen.driving.spread import FIRST, MOST, spread_run
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
 from rsegen.params.watch import report_share
@@ -41,9 +41,6 @@ from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator
 from rsegen.simulators.poses import Pose
 from rsegen.writing.execute import Execution, execute
-
-FIRST, MOST = 6, 20
-"""Drives that decide if they all end alike, and drives at most: the probability is then known within 0.2."""
 
 PRIOR = 0.25
 """Weight a of the prior Beta(a, a): of fresh lanes, most cross always or never (benchmarks/certainty)."""
