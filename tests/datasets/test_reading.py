@@ -65,6 +65,9 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
     for wrong in ([0.5], [[1]], [True, False]):
         with pytest.raises(IndexError, match="expected a list of integers"):
             dataset[np.array(wrong)]
+    for other in (1.5, "3", None):
+        with pytest.raises(IndexError, match="is not the place of a map; use an integer"):
+            dataset[other]  # type: ignore[index]
     for beyond in (20, -21):
         with pytest.raises(IndexError, match=f"there is no map {beyond}"):
             dataset[beyond]

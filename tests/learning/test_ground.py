@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
@@ -130,6 +132,23 @@ def test_a_scan_turns_with_the_robot() -> None:
         assert scans[world] == pytest.approx(GROUND.heights(turned[None], worlds=[world])[0] - z)
 
 
+def test_a_robot_at_whole_metres_scans_all_of_its_pattern() -> None:
+    pattern = scan_points((0.4, 0.2), 0.1)
+    pose = [[1, 2, 0, 1]] * WORLDS
+    assert np.array_equal(GROUND.scan(pattern, pose), GROUND.scan(pattern, np.array(pose, dtype=float)))
+
+
+@pytest.mark.parametrize("ground", [GROUND, Ground.of(rsegen.compose(RECIPE))])
+def test_a_copy_for_another_process_is_the_same_ground(ground: Ground) -> None:
+    for again in (pickle.loads(pickle.dumps(ground)), deepcopy(ground)):  # noqa: S301  # our own
+        points = _points(20) if ground.worlds else _points(20)[0]
+        assert np.array_equal(again.heights(points), ground.heights(points))
+        assert np.array_equal(again.friction(points), ground.friction(points))
+    if ground.worlds:
+        again.write(0 * LEVELS)
+        assert ground.levels.any()
+
+
 def test_a_lifted_robot_touches_the_ground_with_its_lowest_foot() -> None:
     feet = np.concatenate([_points(4), np.random.default_rng(3).uniform(0, 2, (WORLDS, 4, 1))], axis=-1)
     feet[..., 2] += GROUND.lift(feet, 0.03)[:, None]
@@ -253,6 +272,8 @@ def test_arrays_of_warp_are_viewed() -> None:
         (lambda: GROUND.write(LEVELS[:2]), r"levels: of shape \(2, 6, 12\); expected \(5, 6, 12\)"),
         (lambda: GROUND.write(LEVELS[:2], worlds=[0]), r"levels: of shape \(2, 6, 12\); expected \(1, 6, 12\)"),
         (lambda: GROUND.normals(np.zeros((5, 2)), 0), "radius: 0 m; use one above 0"),
+        (lambda: GROUND.normals(np.zeros((5, 2)), np.inf), "radius: inf m; use one above 0"),
+        (lambda: GROUND.highest(np.zeros((5, 2)), np.full(5, 0.1)), r"radius: of shape \(5,\); expected a number, or"),
         (lambda: GROUND.spots((2, 0.3)), "size: 2 x 0.3 m is larger than the map of 6 x 12 blocks"),
         (lambda: GROUND.spots((0.3, 0.3), 41), "count: 41 is outside 1..40"),
         (lambda: GROUND.spots((0.3, 0.3), 0), "count: 0 is not 1 or more"),

@@ -192,3 +192,7 @@ def test_what_no_sensor_has_is_refused() -> None:
     state = sensor.start(GROUND, POSES)
     with pytest.raises(ParameterError, match=r"is_new: of shape \(3,\); expected \(40,\), one for each robot"):
         sensor.restart(state, [True, False, True], state)
+    with pytest.raises(ParameterError, match=r"state: of robots of shape \(40,\); the poses are of \(3,\)"):
+        sensor.sense(GROUND, POSES[:3], state, np.random.default_rng(0))
+    with pytest.raises(ParameterError, match="lost: 'far' is not a number, in metres"):
+        ScanSensor(lost="far")  # type: ignore[arg-type]

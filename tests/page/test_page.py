@@ -222,6 +222,27 @@ def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(p
         until(lambda: not page.problem("Height step (unit)"))
 
 
+@pytest.mark.parametrize("text", ["abc", "0x10", ""])
+@pytest.mark.parametrize("by_keys", [True, False])
+def test_undo_takes_a_number_that_cannot_be_read_first_and_then_the_last_change(
+    page: Page, text: str, *, by_keys: bool
+) -> None:
+    before = page.settled()["values"]["unit_cm"]
+    page.type("Height step (unit)", "7.5")
+    page.field("Number of maps").click()
+    page.settled()
+    page.type("Height step (unit)", text or Keys.DELETE)
+    until(lambda: page.problem("Height step (unit)"))
+    for number in (7.5, before):
+        if by_keys:
+            page.field("Number of maps").send_keys(Keys.CONTROL, "z", Keys.NULL)
+        else:
+            page.button("Undo (Ctrl+Z)").click()
+        until(lambda: page.field("Height step (unit)").get_attribute("value") == f"{number:g}")  # noqa: B023
+        assert not page.problem("Height step (unit)")
+        assert page.settled()["values"]["unit_cm"] == number
+
+
 def test_nothing_is_saved_while_a_number_cannot_be_read(page: Page, folder: Path) -> None:
     page.js("return state.save('typed.yaml')")
     before = (folder / "typed.yaml").read_bytes()

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import importlib
+import re
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from rsegen import Recipe, build, build_many
+from rsegen.errors import PluginError
 from tests.plugins.installed import declare, done, refused, run
 
 GOOD = '''
@@ -32,6 +37,9 @@ BROKEN = {
     "AttributeError: module 'dunes1' has no attribute 'Dune'": "pass",
     "is not a subclass of rsegen.obstacles.base.Obstacle": "class Dune: pass",
     "does not define drawn": GOOD.replace("def drawn", "def shape"),
+    "defines drawn(self, rng, shape); expected drawn(self, uniform)": GOOD.replace(
+        "(self, uniform)", "(self, rng, shape)"
+    ),
     "has no docstring": GOOD.replace('    """Sand."""\n', ""),
     "is named sand; its entry point must have the same name": GOOD.replace('"dune"', '"sand"'),
     "the parameter 'blend' has a reserved name": GOOD.replace(
@@ -147,3 +155,41 @@ def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
     obstacles = importlib.import_module("rsegen.obstacles.base")
     assert {"kind", "first", "last", "blend", "key", "enabled"} == obstacles.RESERVED
     assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING
+
+
+SHAPE = '''
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rsegen.obstacles.base import Shaped
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dune(Shaped):
+    """Sand."""
+
+    kind: ClassVar[str] = "dune"
+
+    def overhang(self, grid):
+        return 0.0
+
+    def profile(self, x, y, first, last, grid):
+        return 1.0 + 0 * x + 0 * y
+'''
+OTHER_LEVELS = {
+    "levels 12..12 are not all in 0..4; a profile is 0 to 1": SHAPE.replace("1.0 +", "3.0 +"),
+    "profile() is not a number (nan) somewhere; use 0 to 1": SHAPE.replace("1.0 +", 'float("nan") +'),
+    "drawn() gives levels of float64; expected integers": GOOD.replace('.astype("int16")', ""),
+    "are not all in 0..4; a profile is 0 to 1, and drawn() gives levels": GOOD.replace("self.levels)", "99)"),
+}
+
+
+@pytest.mark.parametrize("complaint", OTHER_LEVELS)
+def test_levels_that_a_recipe_does_not_have_are_refused(complaint: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = ModuleType("dunes")
+    monkeypatch.setitem(sys.modules, "dunes", module)
+    exec(OTHER_LEVELS[complaint], vars(module))  # noqa: S102  # as a plug-in is run
+    recipe = Recipe(seed=7, obstacles=[module.Dune(levels=5)])
+    for make in (lambda: build(recipe), lambda: build_many(recipe, range(3))):
+        with pytest.raises(PluginError, match=re.escape(complaint)):
+            make()

@@ -208,6 +208,10 @@ class _Raised(Random):
 
     kind: ClassVar[str] = "raised"
 
+    @property
+    def level_range(self) -> tuple[int, int]:
+        return 0, self.levels + 1
+
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         patch = Random.patch(self, grid, first, last, rng)
         return patch._replace(levels=patch.levels + np.int16(3 * rng.random()))

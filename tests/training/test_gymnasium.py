@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,14 @@ def _ahead(env: CrossingEnv, observation: Array, flippers: float = REST) -> Arra
 def test_gymnasium_takes_it_for_an_environment(env: CrossingEnv) -> None:
     check_env(env, skip_render_check=True)
     assert env.action_space.shape == (2 + SIDES,)
+
+
+def test_a_copy_for_another_process_is_the_same_environment(env: CrossingEnv) -> None:
+    again = pickle.loads(pickle.dumps(env))  # noqa: S301  # our own
+    assert np.array_equal(again.reset(seed=3)[0], env.reset(seed=3)[0])
+    action = np.array([EAST, 0.1, REST, REST])
+    for _ in range(3):
+        assert np.array_equal(again.step(action)[0], env.step(action)[0])
 
 
 def test_it_crosses_low_blocks_and_touches_them(env: CrossingEnv) -> None:

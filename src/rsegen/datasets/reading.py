@@ -21,14 +21,14 @@ from rsegen import npy_files
 from rsegen.datasets import DATASET
 from rsegen.datasets.layout import ROW, Shard, ShardLayout, read_manifest, refuse_other_checksums, refuse_other_sizes
 from rsegen.datasets.tiles import Tiles, tiles
-from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError
+from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.input_files import open_regular
 from rsegen.measuring.batch import COLUMNS, Table, batch_metrics
 from rsegen.measuring.catalogue import RMS, By
 from rsegen.params.extras import pip_install
-from rsegen.params.sorts import FilePath, Integer
+from rsegen.params.sorts import FilePath, Integer, as_int
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
@@ -116,7 +116,10 @@ class LevelsOfMaps:
             return self._several(np.arange(*maps.indices(len(self))))
         if isinstance(maps, (list, np.ndarray)):
             return self._several(self._places(np.asarray(maps)))
-        place = maps + len(self) if maps < 0 else maps
+        own = as_int(maps)
+        if own is None:
+            raise IndexError(f"{shown(maps)} is not the place of a map; use an integer, a slice, or a list of integers")
+        place = own + len(self) if own < 0 else own
         if not 0 <= place < len(self):
             raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
         number, row = self._layout.row_at(place)

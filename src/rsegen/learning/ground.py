@@ -205,6 +205,14 @@ class Ground:
         ground._fixed = field
         return ground
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy in another process needs: its library is found by its arrays, as no module is copied."""
+        return {name: value for name, value in self.__dict__.items() if name != "library"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.library, _ = library_of("levels", self._cells)
+
     @property
     def levels(self) -> Any:
         """The levels of the blocks, as they are now: (n_x, n_y), or (worlds, n_x, n_y)."""
@@ -262,7 +270,7 @@ class Ground:
         Tops are level, so the normal of the ground at a point says nothing. This is the plane of least squares through
         5 x 5 heights up to `radius` metres along x and y: that of the ground under a foot or a robot.
         """
-        if not radius > 0:
+        if not 0 < radius < inf:
             raise ParameterError("radius", f"{shown(radius)} m; use one above 0, as tops are level")
         points, library = self.own("points", points), self.library
         # The heights of five rows along x, each of five points along y; their sums over the squares of the distances.
@@ -374,6 +382,8 @@ class Ground:
             places = [reach * (2 * place / last - 1) for place in range(last + 1)]
             return places, places
         radii = np.asarray(radius, dtype=float)
+        if radii.ndim and radii.shape[-1] != 2:
+            raise ParameterError("radius", f"of shape {radii.shape}; expected a number, or (..., 2) along x and y")
         _check_radius(radii.min(initial=0.0), radii.max(initial=0.0))
         reaches = (radii + _EDGE) / self.block_width
         shares = np.linspace(-1, 1, floor(2 * float(reaches.max(initial=0.0))) + 2)
@@ -428,7 +438,7 @@ class Ground:
         return array if dtype is None else as_type(array, dtype)
 
     def own(self, where: str, given: Any, least: int = 2) -> Any:
-        """Return an array as one of the library of the levels, on their device.
+        """Return an array of real numbers as one of the library of the levels, on their device; whole ones become real.
 
         Its last axis has `least` numbers or more, or a ParameterError says `where` it comes from.
         """
@@ -438,6 +448,8 @@ class Ground:
                 own, other = self.library.__name__, library.__name__
                 raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; use that")
             array = array_like(self._cells, array, self.library.float32)
+        elif not _is_real(array):
+            array = as_type(array, self._heights.dtype)
         if array.ndim < 1 or array.shape[-1] < least:
             raise ParameterError(where, f"of shape {tuple(array.shape)}; expected (..., {least})")
         return array

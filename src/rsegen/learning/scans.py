@@ -14,9 +14,10 @@ Random numbers come from a Generator of numpy or torch, or from a key of jax, ea
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Annotated, Any, NamedTuple
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, shown
 from rsegen.learning.arrays import array_like, draws_of, library_of
 from rsegen.learning.ground import Ground, check_pattern, scan_points
 from rsegen.params.sorts import Float, Integer, validate
@@ -55,6 +56,9 @@ class ScanSensor:
         validate(self)
         _, pattern = library_of("pattern", self.pattern)
         check_pattern(pattern)
+        lost: object = self.lost  # a number, and NaN too, which marks lost rays
+        if not isinstance(lost, Real):
+            raise ParameterError("lost", f"{shown(lost)} is not a number, in metres")
         object.__setattr__(self, "pattern", pattern)
 
     def start(self, ground: Ground, poses: Any, worlds: Any = None) -> ScanState:
@@ -87,6 +91,11 @@ class ScanSensor:
         if len(state.scans) != self.delay + 1:
             raise ParameterError(
                 "state", f"of {len(state.scans)} scans for a delay of {self.delay}; use that of `start`"
+            )
+        if state.drift.shape != poses[..., :3].shape:
+            robots = tuple(poses.shape[:-1])
+            raise ParameterError(
+                "state", f"of robots of shape {tuple(state.drift.shape[:-1])}; the poses are of {robots}"
             )
         draws = draws_of(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift

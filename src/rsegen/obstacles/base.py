@@ -204,6 +204,22 @@ class Obstacle(ABC):
         return Patch(EVERYWHERE, levels, footprint)
 
 
+def refuse_other_levels(obstacle: Obstacle, patch: Patch) -> None:
+    """Raise a PluginError if a kind of a plug-in gives levels that are no integers, or none of its `level_range`."""
+    levels = patch.levels
+    if type(obstacle).__module__.partition(".")[0] == __package__.partition(".")[0] or not isinstance(
+        levels, np.ndarray
+    ):
+        return
+    if levels.dtype.kind not in "iu":
+        raise PluginError(f"obstacle kind {obstacle.kind}: levels of {levels.dtype}; expected integers")
+    own = levels[np.broadcast_to(patch.footprint, levels.shape)]  # it may be the same in many maps
+    low, high = obstacle.level_range
+    if own.size and not low <= own.min() <= own.max() <= high:
+        given = f"levels {own.min()}..{own.max()} are not all in {low}..{high}"
+        raise PluginError(f"obstacle kind {obstacle.kind}: {given}; a profile is 0 to 1, and drawn() gives levels")
+
+
 _NO_DRAW = np.random.Generator(np.random.PCG64(0))
 """Generator for a `patch` that draws nothing."""
 
@@ -256,6 +272,8 @@ class Shaped(Obstacle):
             along_x = np.arange(rows.start, rows.stop, dtype=float)[:, None]
             with np.errstate(over="ignore"):  # a slope of almost no width
                 f = self.profile(along_x, y.astype(float), first, last, grid)
+            if np.isnan(f).any():
+                raise PluginError(f"obstacle kind {self.kind}: profile() is not a number (nan) somewhere; use 0 to 1")
             return np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
 
         levels = _by_rows(window, part)
@@ -370,6 +388,8 @@ class Region(Filling):
         levels = self.drawn(uniform)
         if np.shape(levels) != uniform.shape:
             raise PluginError(f"obstacle kind {self.kind}: drawn() must return an array of shape {uniform.shape}")
+        if isinstance(levels, np.ndarray) and levels.dtype.kind not in "iu":
+            raise PluginError(f"obstacle kind {self.kind}: drawn() gives levels of {levels.dtype}; expected integers")
         return levels
 
 

@@ -60,7 +60,7 @@ class Contract:
         doc = (offered.__doc__ or "").strip()
         if not doc or doc.startswith(f"{offered.__name__}("):  # dataclasses make one up from the signature
             return "has no docstring; its first line is shown in lists"
-        return self._unsound(offered)
+        return _otherwise_called(offered) or self._unsound(offered)
 
     def _unsound(self, offered: Any) -> str:
         try:
@@ -71,6 +71,21 @@ class Contract:
             return self.check(offered)
         except Exception as error:  # it is somebody else's class, and may do anything
             return failure(error)
+
+
+def _otherwise_called(cls: type) -> str:
+    """Return which method of a class takes other arguments than it is called with; an empty text if none does."""
+    for part in cls.__mro__[1:]:
+        for name, wanted in vars(part).items():
+            own = inspect.getattr_static(cls, name)
+            if not (getattr(wanted, "__isabstractmethod__", False) and inspect.isfunction(own)):
+                continue
+            asked = inspect.signature(wanted)
+            try:
+                inspect.signature(own).bind(*asked.parameters)
+            except TypeError:
+                return f"defines {name}{inspect.signature(own)}; expected {name}({', '.join(asked.parameters)})"
+    return ""
 
 
 def name_conflict(cls: type, reserved: Collection[str], base: type = object, others: Iterable[type] = ()) -> str:

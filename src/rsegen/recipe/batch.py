@@ -26,7 +26,7 @@ import numpy as np
 from rsegen.errors import ParameterError, inside, refuse_other, shown
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles import Grid, Obstacle, Patch
-from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
+from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise, refuse_other_levels
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
@@ -166,6 +166,7 @@ class _InManyMaps:
                 self._impose(own, obstacle.patch(self._grid, first, last, rng))
 
     def _impose(self, levels: Any, patch: Patch) -> None:
+        refuse_other_levels(self._obstacle, patch)
         patch = patch._replace(levels=asarray(patch.levels, levels), footprint=asarray(patch.footprint, levels))
         impose(levels, patch, self._obstacle.blend, self._recipe.level_range)
 

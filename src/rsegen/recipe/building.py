@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rsegen.errors import TooLarge, inside, refuse_other
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.obstacles import Grid, Obstacle, Patch
+from rsegen.obstacles.base import refuse_other_levels
 from rsegen.params.arrays import cast, namespace, overwrite
 from rsegen.params.sorts import Cell, Integer, Json
 from rsegen.params.streams import SEEDS, generator
@@ -72,7 +73,9 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
     """Return the cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
     rng = generator(recipe.seed, index, obstacle.key or "")
     first, last = obstacle.ends(recipe.grid, *obstacle.wanted_ends(recipe.grid), rng)
-    return first, last, obstacle.patch(recipe.grid, first, last, rng)
+    patch = obstacle.patch(recipe.grid, first, last, rng)
+    refuse_other_levels(obstacle, patch)
+    return first, last, patch
 
 
 def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[dict[str, Json]]:

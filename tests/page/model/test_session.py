@@ -74,8 +74,24 @@ def test_a_change_after_undo_clears_redo(session: Session) -> None:
 def test_a_gesture_is_undone_at_once(session: Session) -> None:
     session.add(PEAK)
     before = session.draft
-    for x in range(3, 8):
+    for x in range(3, 7):
         session.change(row=0, entry={**PEAK, "last": [x, 7]}, gesture="drag")
+    session.undo()
+    assert session.draft == before
+
+
+def test_a_gesture_that_ends_where_it_began_leaves_nothing_to_undo(session: Session) -> None:
+    session.add(PEAK)
+    before = session.draft
+    for x in (9, 5, 7):
+        session.change(row=0, entry={**PEAK, "last": [x, 7]}, gesture="drag")
+    assert session.draft == before
+    session.undo()
+    assert not session.draft.rows
+    session.redo()
+    session.change(row=0, entry={**PEAK, "levels": 3}, gesture="typed")
+    session.change(row=0, entry=PEAK, gesture="typed")
+    session.change(row=0, entry={**PEAK, "levels": 4}, gesture="typed")
     session.undo()
     assert session.draft == before
 

@@ -321,6 +321,9 @@ class Session:
             return
         if gesture is None or gesture != self._gesture:
             self._done.append(self.draft)
+        elif draft.says(self._done[-1]):  # a gesture that ends where it began leaves nothing to undo
+            self._done.pop()
+            gesture = None
         self._undone.clear()
         self._show(draft)
         self._gesture = gesture

@@ -1,6 +1,6 @@
 /* The bar on top: the file, undo, tools, and what may be run; and the line of status below. */
 
-import { Button, Icon, Menu, NumberInput, Segmented, Select } from "./controls";
+import { Button, Icon, Menu, NumberInput, Segmented, Select, hasUnreadable, undo } from "./controls";
 import { times } from "./exact";
 import type { DescribedCommand } from "./protocol";
 import { leaveFor, offer, Progress, titleOf } from "./run";
@@ -104,7 +104,7 @@ export function Bar() {
         <a class="button" href={manual()} target="_blank">Manual of all commands</a>
       </Menu>
       <div class="row quick">
-        <Button icon="undo" class="quiet" title="Undo (Ctrl+Z)" disabled={!now?.can_undo} onClick={() => void edit({ do: "undo" })} />
+        <Button icon="undo" class="quiet" title="Undo (Ctrl+Z)" disabled={!now?.can_undo && !hasUnreadable.value} onClick={undo} />
         <Button icon="redo" class="quiet" title="Redo (Ctrl+Y)" disabled={!now?.can_redo} onClick={() => void edit({ do: "redo" })} />
       </div>
       <Tools />

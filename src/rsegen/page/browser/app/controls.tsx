@@ -1,10 +1,11 @@
 /* The controls of the page: native ones, with a label, a unit, and the error of what was typed. */
 
+import { computed, signal } from "@preact/signals";
 import type { ComponentChildren, JSX, TargetedInputEvent, TargetedKeyboardEvent, TargetedToggleEvent } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { equal, shown, typed, typedList } from "./exact";
 import type { Json } from "./protocol";
-import { newGesture } from "./state";
+import { edit, newGesture } from "./state";
 
 /* Lines on a grid of 16 units. */
 const ICONS = {
@@ -146,6 +147,16 @@ export function Labelled({ label, help, unit, problem, id, wide, long, note, chi
    read gives the value of a text, or Unreadable. */
 export class Unreadable { constructor(readonly why: string) {} }
 
+/* What forgets a text that cannot be read, of each field that has one now. */
+const unreadable = signal<readonly (() => void)[]>([]);
+export const hasUnreadable = computed(() => unreadable.value.length > 0);
+
+/* Undo: of texts that cannot be read, which changed nothing and were typed last, or else of the last change. */
+export function undo(): void {
+  if (hasUnreadable.value) unreadable.value.forEach((forget) => forget());
+  else void edit({ do: "undo" });
+}
+
 export function useTyped(value: Json | undefined, read: (text: string) => Json | undefined | Unreadable,
   change: (value: Json | undefined, gesture: string) => void) {
   const [text, setText] = useState<string | null>(null);
@@ -156,6 +167,12 @@ export function useTyped(value: Json | undefined, read: (text: string) => Json |
   const why = now instanceof Unreadable ? now.why : "";
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => input.current?.setCustomValidity(why), [why]); // so that nothing is run with the earlier value
+  useEffect(() => {
+    if (!why) return;
+    const forget = () => setText(null);
+    unreadable.value = [...unreadable.peek(), forget];
+    return () => { unreadable.value = unreadable.peek().filter((each) => each !== forget); };
+  }, [Boolean(why)]);
   useEffect(() => {
     // The value of the document replaces what was typed, also if it was undone meanwhile.
     if (text === null || now instanceof Unreadable) return;

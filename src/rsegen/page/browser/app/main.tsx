@@ -3,7 +3,7 @@
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
 import { Bar, Status, TOOLS, ToolOptions, takeTool } from "./bar";
-import { Modal, Segmented, Select } from "./controls";
+import { Modal, Segmented, Select, undo } from "./controls";
 import { Banners, Open, SaveAs, dropped } from "./files";
 import { MapPanel } from "./map";
 import { Obstacles, removeSelected } from "./obstacles";
@@ -87,7 +87,7 @@ function keys(event: KeyboardEvent): void {
   const key = event.key.toLowerCase();
   const does = (work: () => unknown) => { event.preventDefault(); work(); };
   if (event.ctrlKey || event.metaKey) {
-    if (key === "z") does(() => edit({ do: event.shiftKey ? "redo" : "undo" }));
+    if (key === "z") does(() => (event.shiftKey ? edit({ do: "redo" }) : undo()));
     else if (key === "y") does(() => edit({ do: "redo" }));
     else if (key === "s") does(() => (event.shiftKey ? (dialog.value = { name: "save" }) : save()));
     else if (key === "o") does(() => (dialog.value = { name: "open" }));
