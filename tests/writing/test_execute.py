@@ -100,10 +100,10 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
     asked = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    def here(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
         asked.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor, lambda: None
+            yield executor, workers, lambda: None
 
     monkeypatch.setattr(execute_module, "_processes", here)
     rsegen.save(RECIPE, tmp_path / "recipe.json")
