@@ -154,10 +154,10 @@ def test_workers_measure_the_fields_and_make_the_maps(
     shared = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    def here(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
         shared.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor, lambda: None
+            yield executor, workers, lambda: None
 
     series(RANDOM, tmp_path / "1", same_field=same_field)
     monkeypatch.setattr(execute_module, "WORTHWHILE", 0.0)
