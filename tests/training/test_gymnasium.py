@@ -37,8 +37,10 @@ def _ahead(env: CrossingEnv, observation: Array, flippers: float = REST) -> Arra
 
 
 @pytest.mark.filterwarnings("ignore:.*A Box observation space")  # as those of MuJoCo in Gymnasium
+@pytest.mark.filterwarnings("ignore:.*alternative render modes due to the environment not having a spec")
 def test_gymnasium_takes_it_for_an_environment(env: CrossingEnv) -> None:
     check_env(env, skip_render_check=True)
+    check_env(CrossingEnv(env.crossing, render_mode="rgb_array"))
     assert env.action_space.shape == (2 + SIDES,)
 
 
@@ -182,3 +184,33 @@ def test_a_belt_that_was_wedged_at_the_end_of_an_episode_runs_in_the_next_one(en
     env.reset(seed=5)
     world.drive("robot", env.crossing.driven, 0.5, 0.0)
     assert set(world.shapes.speed) == {0.0, 0.5}
+
+
+def test_pictures_show_the_robot_as_it_comes_on_and_the_map_of_each_reset() -> None:
+    env = CrossingEnv(Crossing(recipe=RECIPE), render_mode="rgb_array")
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.render()
+    env.reset(seed=3)
+    first = env.render()
+    assert (first.shape, first.dtype) == ((360, 640, 3), np.uint8)
+    assert len(np.unique(first.reshape(-1, 3), axis=0)) > 20
+    for _ in range(5):
+        env.step(np.array([EAST, 0, REST, REST]))
+    moved = np.abs(env.render().astype(int) - first).max(axis=2) > 20
+    assert 0.002 < moved.mean() < 0.1, "the robot has moved, and the map is as it was"
+    env.reset(seed=3)
+    assert np.array_equal(env.render(), first)
+    env.reset(seed=4)
+    assert (np.abs(env.render().astype(int) - first).max(axis=2) > 20).mean() > 0.02
+
+
+def test_render_modes_are_those_of_the_metadata(env: CrossingEnv) -> None:
+    env.reset(seed=1)
+    with pytest.warns(UserWarning, match="render_mode"):
+        assert env.render() is None
+    with pytest.raises(ParameterError, match=r"unknown mode 'human'.*rgb_array"):
+        CrossingEnv(env.crossing, render_mode="human")
+    pictures = gymnasium.wrappers.RenderCollection(CrossingEnv(env.crossing, render_mode="rgb_array"))
+    pictures.reset(seed=1)
+    pictures.step(np.zeros(4))
+    assert len(pictures.render()) == 2

@@ -15,7 +15,7 @@ import numpy as np
 
 from rsegen.geometry.exposed_faces import surface
 from rsegen.pictures.animation import Animation
-from rsegen.pictures.camera import Camera, Pixels, Triangles, View, south_west_of
+from rsegen.pictures.camera import Pixels, Triangles, View, south_west_of
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.visuals import visuals
 from rsegen.scene.scene import Scene
@@ -40,7 +40,7 @@ class FilmedWorld(SteppedWorld):
 
     def __init__(self, world: EmbeddedWorld, scene: Scene, runs: Sequence[PlacedRobot]) -> None:
         self._world, self._steps, self._every = world, 0, round(FRAME / world.step_seconds)
-        self._view = _View(scene, runs, south_west_of(scene.field.extent, VIDEO))
+        self._view = RobotView(scene, runs, VIDEO)
         self._animation = Animation(milliseconds=round(1000 * FRAME))
 
     def poses(self) -> Mapping[str, Pose]:
@@ -81,22 +81,23 @@ def picture_of_end(scene: Scene, runs: Sequence[PlacedRobot], links: LinkPoses) 
     """Return a JPEG of robots on a map whose links are at these poses."""
     from PIL import Image
 
-    pixels, stream = _View(scene, runs, south_west_of(scene.field.extent, PICTURE)).picture(links), io.BytesIO()
+    pixels, stream = RobotView(scene, runs, PICTURE).picture(links), io.BytesIO()
     Image.fromarray(pixels).save(stream, "jpeg", quality=90)
     return stream.getvalue()
 
 
-class _View:
-    """The view of a camera on robots on a map."""
+class RobotView:
+    """The view of a camera in the south-west on robots on a map; size: of its pictures, pixels along x and y."""
 
-    def __init__(self, scene: Scene, runs: Sequence[PlacedRobot], camera: Camera) -> None:
+    def __init__(self, scene: Scene, runs: Sequence[PlacedRobot], size: tuple[int, int]) -> None:
+        camera = south_west_of(scene.field.extent, size)
         radius = hypot(*scene.field.extent) / 2 + _AROUND
         self._view = View(camera, shapes_of_map(scene), radius, _GROUND)
         shapes = {id(run.robot): _links(run.robot) for run in runs}
         self._robots = {run.name: shapes[id(run.robot)] for run in runs}
 
     def picture(self, links: LinkPoses) -> Pixels:
-        """Return the picture of robots whose links are at these poses."""
+        """Return the picture of robots whose links are at these poses, uint8, (height, width, 3)."""
         parts = (
             shape.moved(links[robot][link])
             for robot, shapes in self._robots.items()

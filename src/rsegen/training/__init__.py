@@ -9,6 +9,6 @@ from rsegen.params.capabilities import Capability
 
 CAPABILITY = Capability(
     summary="robots that learn to cross fields",
-    needs=("learning", "mujoco", "robots", "simulators", "standing"),
+    needs=("driving", "learning", "mujoco", "robots", "simulators", "standing"),
     manual="learned",
 )

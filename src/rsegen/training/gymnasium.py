@@ -4,7 +4,8 @@
     observation, info = env.reset(seed=7)    # info["map"] is the index of the map
     observation, reward, is_across_or_failed, is_late, info = env.step(env.action_space.sample())
 
-It is driven in MuJoCo as by `rsegen drive --simulator mujoco`, step by step.
+It is driven in MuJoCo as by `rsegen drive --simulator mujoco`, step by step. With `render_mode="rgb_array"` `render`
+returns pictures as in the videos of drives, which need neither a screen nor OpenGL.
 """
 
 from __future__ import annotations
@@ -14,10 +15,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from rsegen.errors import ParameterError, shown
+from rsegen.driving.filming import VIDEO, RobotView
+from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.stepfield import Array
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
+from rsegen.scene.scene import compose
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.training.crossing import NAME, Crossing
 
 
@@ -28,8 +32,14 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
     blocks, `touches`.
     """
 
-    def __init__(self, crossing: Crossing) -> None:
-        self.crossing = crossing
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012  # as in Gymnasium's Env
+
+    def __init__(self, crossing: Crossing, render_mode: str | None = None) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise UnknownName.among("render_mode", "mode", render_mode, self.metadata["render_modes"])
+        self.crossing, self.render_mode = crossing, render_mode
+        self.metadata = {**type(self).metadata, "render_fps": round(1 / crossing.period)}
+        self._view: RobotView | None = None
         self.world = crossing.world()
         self.flippers = crossing.flippers(self.world)
         self.ground: Ground = crossing.grid.ground(crossing.grid.highest[None])
@@ -50,6 +60,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         if seed is not None:
             self._draws = MapDraws(self.crossing.recipe, np.random.default_rng(seed))
         self._map, levels = self._draws.next(options)
+        self._view = None
         self.crossing.grid.write(self.world.model, levels)
         self.ground.write(levels[None])
         self.world.restart(NAME, self.crossing.start(*self.np_random.uniform(-1, 1, 2)))
@@ -75,6 +86,18 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         is_across, is_over = bool(found.is_across[0]), bool(found.is_across[0] | found.has_failed[0])
         is_late = not is_over and self._periods >= crossing.periods
         return self._observed()[0], float(found.reward[0]), is_over, is_late, self._info(is_across=is_across)
+
+    def render(self) -> Any:
+        """Return a picture of the robot on its map, uint8, (height, width, 3); None without a `render_mode`."""
+        if self.render_mode is None:
+            gymnasium.logger.warn('make the environment with render_mode="rgb_array" to have it rendered')
+            return None
+        if self._map < 0:
+            raise gymnasium.error.ResetNeeded("reset the environment before it is rendered")
+        if self._view is None:
+            placed = PlacedRobot(name=NAME, robot=self.crossing.driven, start=self.crossing.start(0.0, 0.0))
+            self._view = RobotView(compose(self.crossing.recipe, self._map), [placed], VIDEO)
+        return self._view.picture(self.world.link_poses())
 
     def _observed(self) -> Array:
         data = self.world.data
