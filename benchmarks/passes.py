@@ -48,6 +48,8 @@ def report(seen: set[CodeType]) -> list[str]:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit("name a command, such as: python -m benchmarks.passes generate peak")
     with TemporaryDirectory() as folder:
         needs_output = "-o" not in sys.argv and sys.argv[1] in ("generate", "series", "export")
         found = passed([*sys.argv[1:], *(["-o", folder] if needs_output else []), "--quiet"])
