@@ -13,6 +13,7 @@ from rsegen import Recipe
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS, Tracks
+from rsegen.robots.links import posed
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.wire import parse_text
 
@@ -103,7 +104,7 @@ def test_belts_are_commanded_as_their_plug_in_does(simulator: str) -> None:
     at, angles = np.array([1.0, 2.0, 0.3]), (0.1, -0.2, 2.5)
 
     def told(v: float, w: float) -> tuple[dict[str, float], set[tuple[float, ...]]]:
-        commands = list(drive.belt_commands("one", v, w, (*at, *angles), simulator))
+        commands = list(drive.belt_commands("one", v, w, posed((*at, *angles)), simulator))
         values = {command.topic: parse_text(command.text) for command in commands}
         assert {command.type.rpartition(".")[0] for command in commands} == {
             {"sim": "gz.msgs", "fortress": "ignition.msgs"}[simulator]

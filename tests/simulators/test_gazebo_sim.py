@@ -14,6 +14,7 @@ import rsegen
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import PublishCommand, Tracks
+from rsegen.robots.links import posed
 from rsegen.simulators.base import SIMULATORS, OpenRequest, commands_of
 from rsegen.simulators.gazebo_sim import SimWorld
 from rsegen.simulators.poses import Pose
@@ -222,5 +223,5 @@ def test_belts_are_commanded_one_by_one_and_wheels_by_their_plug_in(backend: str
     drive = ROBOTS["crawler"].drive
     assert isinstance(drive, Tracks)
     world.drive("one", ROBOTS["crawler"], 0.1, 0.2)
-    assert world.sent == list(drive.belt_commands("one", 0.1, 0.2, (1, 2, 0, 0, 0, 0), backend))
+    assert world.sent == list(drive.belt_commands("one", 0.1, 0.2, posed((1, 2, 0, 0, 0, 0)), backend))
     assert len(world.sent) == 2 * len((*drive.left, *drive.right)) > 0

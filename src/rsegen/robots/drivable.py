@@ -14,6 +14,7 @@ from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
     KNOWN,
     TRACK_CONTROLLER,
+    controlled_links,
     plugin_key,
 )
 
@@ -57,7 +58,7 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
             plugin.remove(topic)
         if plugin_key(plugin.get("filename", "")) == own:
             SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
-    if isinstance(drive, Tracks) and not _controlled(kept).issuperset((*drive.left, *drive.right)):
+    if isinstance(drive, Tracks) and not controlled_links(kept).issuperset((*drive.left, *drive.right)):
         kept = []
     if drive and not kept:
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
@@ -74,12 +75,6 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
 
 _TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")
 """Elements of plug-ins with the topics on which they take commands, other than the default ones."""
-
-
-def _controlled(plugins: Sequence[Element]) -> set[str]:
-    """Return the links of the belts that have a controller among some plug-ins."""
-    controllers = (plugin for plugin in plugins if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER)
-    return {link.text.strip() for plugin in controllers for link in plugin.findall("link") if link.text}
 
 
 def _free_wheels(model: Element, drive: Drive | None) -> None:

@@ -12,9 +12,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import cos, inf, sin
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rsegen.gazebo.sdf import numbers
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
 
 BACKENDS = ("classic", "sim", "fortress")
 """Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""
@@ -246,22 +249,15 @@ class Tracks(Drive):
             for belt in (*self.left, *self.right)
         )
 
-    def belt_commands(
-        self, name: str, v: float, w: float, at: tuple[float, float, float, float, float, float], simulator: str
-    ) -> Iterator[PublishCommand]:
+    def belt_commands(self, name: str, v: float, w: float, at: Array, simulator: str) -> Iterator[PublishCommand]:
         """Yield the commands for each belt in Gazebo Sim that TrackedVehicle makes of v and w.
 
         They are the speed of a belt, and where the centre of the turn is, from which contacts take the direction of
         their friction; without a turn it is nowhere.
-        at: the pose of the robot, x, y, z [m] and roll, pitch, yaw [rad]
+        at: the pose of the robot, (4, 4), metres
         """
-        x, y, z, roll, pitch, yaw = at
-        to_left = (
-            cos(yaw) * sin(pitch) * sin(roll) - sin(yaw) * cos(roll),
-            sin(yaw) * sin(pitch) * sin(roll) + cos(yaw) * cos(roll),
-            cos(pitch) * sin(roll),
-        )
-        centre = [where + v / w * along if w else inf for where, along in zip((x, y, z), to_left, strict=True)]
+        place, to_left = at[:3, 3].tolist(), at[:3, 1].tolist()
+        centre = [where + v / w * along if w else inf for where, along in zip(place, to_left, strict=True)]
         text = "x: {:.12g} y: {:.12g} z: {:.12g}".format(*centre)
         for belts, speed in zip((self.left, self.right), self.sides(v, w, 1 / self.efficiency), strict=True):
             for belt in belts:

@@ -314,6 +314,12 @@ def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None
     return drive and drive._replace(origin=TRACK_CONTROLLER, sizes="its shapes")
 
 
+def controlled_links(plugins: Iterable[Element]) -> set[str]:
+    """Return the links of the tracks that have a TrackController among some plug-ins."""
+    own = (plugin for plugin in plugins if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER)
+    return {link for plugin in own for link in _named(plugin, ["link"])}
+
+
 def _size(link: str, frames: ModelFrames) -> list[float]:
     """Return length, width and height of a link's shapes; zeros if one is unknown."""
     shape = frames.shapes.of(link)

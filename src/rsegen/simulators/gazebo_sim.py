@@ -39,6 +39,7 @@ from xml.etree import ElementTree
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.robots.drives import POSE_RATE, PublishCommand, Tracks
+from rsegen.robots.links import posed
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.live_world import Clock, LiveWorld
@@ -277,7 +278,7 @@ class SimWorld(LiveWorld):
         of its own delivers while the world steps: on a busy machine some steps later, so no drive would repeat.
         """
         if isinstance(robot.drive, Tracks):
-            commands = robot.drive.belt_commands(name, v, w, astuple(self.poses()[name]), self.backend)
+            commands = robot.drive.belt_commands(name, v, w, posed(astuple(self.poses()[name])), self.backend)
         else:
             commands = iter([robot.command(name, v, w, self.backend)])
         for command in commands:
