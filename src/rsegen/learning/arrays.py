@@ -46,6 +46,21 @@ def class_of(library: Any) -> type:
     return getattr(library, _CLASSES[library.__name__])  # type: ignore[no-any-return]
 
 
+def is_whole(array: Any) -> bool:
+    """Return whether an array has integers, of any library."""
+    return "int" in str(array.dtype)
+
+
+def is_real(array: Any) -> bool:
+    """Return whether an array has floating-point numbers, of any library."""
+    return "float" in str(array.dtype)
+
+
+def can_be_asked(array: Any) -> bool:
+    """Return whether the numbers of an array are known now: those of jax, or of what torch compiles, may not be."""
+    return hasattr(array, "is_cuda") and not import_module("torch").compiler.is_compiling()
+
+
 def as_type(array: Any, dtype: Any) -> Any:
     """Return an array in a type of its library, on its device: without a copy if it is of that type."""
     return array.to(dtype) if hasattr(array, "to") else array.astype(dtype)

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib import import_module
 from math import ceil, floor, inf, isfinite
 from typing import Any
 
@@ -29,8 +28,11 @@ from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.learning.arrays import (
     array_like,
     as_type,
+    can_be_asked,
     class_of,
     extremes,
+    is_real,
+    is_whole,
     library_of,
     with_values,
 )
@@ -421,7 +423,7 @@ class Ground:
         if worlds is None:
             return self._every
         library, rows = self._library_of("worlds", worlds)
-        if rows.ndim != 1 or (len(rows) and not _is_whole(rows)):
+        if rows.ndim != 1 or (len(rows) and not is_whole(rows)):
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
         if library is np and len(rows) and not 0 <= rows.min() <= rows.max() < self.worlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
@@ -448,7 +450,7 @@ class Ground:
                 own, other = self.library.__name__, library.__name__
                 raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; use that")
             array = array_like(self._cells, array, self.library.float32)
-        elif not _is_real(array):
+        elif not is_real(array):
             array = as_type(array, self._heights.dtype)
         if array.ndim < 1 or array.shape[-1] < least:
             raise ParameterError(where, f"of shape {tuple(array.shape)}; expected (..., {least})")
@@ -459,10 +461,10 @@ class Ground:
 
         Those that are on a device, or that are being traced, are kept within the levels of the recipe.
         """
-        if not _is_whole(levels):
+        if not is_whole(levels):
             raise ParameterError("levels", f"of {levels.dtype}; expected integers, in units")
         most = len(self._heights) - 1
-        if isinstance(levels, np.ndarray) or (is_new and _can_be_asked(levels)):
+        if isinstance(levels, np.ndarray) or (is_new and can_be_asked(levels)):
             if min(levels.shape):
                 check_levels(levels, most)
             return levels
@@ -480,26 +482,12 @@ class Ground:
     def _values(self, table: Any, materials: Any, like: Any) -> Any:
         """Return the values of materials in a table, in the type of an array of numbers."""
         values = table[self._index(materials)]
-        return as_type(values, like.dtype) if _is_real(like) else values
+        return as_type(values, like.dtype) if is_real(like) else values
 
 
 def _check_radius(low: float, high: float) -> None:
     if not 0 <= low <= high < inf:
         raise ParameterError("radius", f"{(low if isfinite(high) else high):g} m; use 0 or more")
-
-
-def _is_whole(array: Any) -> bool:
-    """Return whether an array has integers, of any library."""
-    return "int" in str(array.dtype)
-
-
-def _is_real(array: Any) -> bool:
-    return "float" in str(array.dtype)
-
-
-def _can_be_asked(array: Any) -> bool:
-    """Return whether the numbers of an array are known now: those of jax, or of what torch compiles, may not be."""
-    return hasattr(array, "is_cuda") and not import_module("torch").compiler.is_compiling()
 
 
 def unframed(levels: Ints, block_width: float, unit: float) -> StepField:
