@@ -139,13 +139,17 @@ class Crossing:
         """The numbers of the blocks' geoms: MuJoCo has the plane before them."""
         return slice(1, 1 + len(self.grid.names))
 
+    @property
+    def placed(self) -> PlacedRobot:
+        """The robot in the middle of the lane at its start."""
+        return PlacedRobot(name=NAME, robot=self.driven, start=self.start(0.0, 0.0))
+
     def world(self) -> MujocoWorld:
         """Return a world of MuJoCo with the robot at its start, and blocks that are all as high as the highest."""
         grid, highest = self.grid, self.grid.highest
         flat = compose(Recipe(name="flat", boundary="none", friction=self.recipe.friction))
         boxes = NamedBoxes(grid.name, grid.names, grid.pos(highest), grid.size(highest))
-        placed = PlacedRobot(name=NAME, robot=self.driven, start=self.start(0.0, 0.0))
-        return MujocoWorld(flat, [placed], period=float("inf"), gains=[turn_gain(self.driven)], boxes=boxes)
+        return MujocoWorld(flat, [self.placed], period=float("inf"), gains=[turn_gain(self.driven)], boxes=boxes)
 
     def start(self, aside: float, heading: float) -> Pose:
         """Return a start: aside and heading are from -1 to 1, of the `spread` of starts."""

@@ -21,7 +21,6 @@ from rsegen.field.stepfield import Array
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
 from rsegen.scene.scene import compose
-from rsegen.simulators.embedded import PlacedRobot
 from rsegen.training.crossing import NAME, Crossing
 
 
@@ -95,8 +94,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         if self._map < 0:
             raise gymnasium.error.ResetNeeded("reset the environment before it is rendered")
         if self._view is None:
-            placed = PlacedRobot(name=NAME, robot=self.crossing.driven, start=self.crossing.start(0.0, 0.0))
-            self._view = RobotView(compose(self.crossing.recipe, self._map), [placed], VIDEO)
+            self._view = RobotView(compose(self.crossing.recipe, self._map), [self.crossing.placed], VIDEO)
         return self._view.picture(self.world.link_poses())
 
     def _observed(self) -> Array:
