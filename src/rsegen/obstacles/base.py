@@ -204,22 +204,6 @@ class Obstacle(ABC):
         return Patch(EVERYWHERE, levels, footprint)
 
 
-def refuse_other_levels(obstacle: Obstacle, patch: Patch) -> None:
-    """Raise a PluginError if a kind of a plug-in gives levels that are no integers, or none of its `level_range`."""
-    levels = patch.levels
-    if type(obstacle).__module__.partition(".")[0] == __package__.partition(".")[0] or not isinstance(
-        levels, np.ndarray
-    ):
-        return
-    if levels.dtype.kind not in "iu":
-        raise PluginError(f"obstacle kind {obstacle.kind}: levels of {levels.dtype}; expected integers")
-    own = levels[np.broadcast_to(patch.footprint, levels.shape)]  # it may be the same in many maps
-    low, high = obstacle.level_range
-    if own.size and not low <= own.min() <= own.max() <= high:
-        given = f"levels {own.min()}..{own.max()} are not all in {low}..{high}"
-        raise PluginError(f"obstacle kind {obstacle.kind}: {given}; a profile is 0 to 1, and drawn() gives levels")
-
-
 _NO_DRAW = np.random.Generator(np.random.PCG64(0))
 """Generator for a `patch` that draws nothing."""
 

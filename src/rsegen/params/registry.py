@@ -186,7 +186,7 @@ class Registry(Mapping[str, Thing]):
 
     def source(self, name: str) -> Source | None:
         """Return the package or file that a thing comes from; None for rsegen's own."""
-        if name in self and name not in self._sources and not _is_own(self[name]):
+        if name in self and name not in self._sources and not is_own(self[name]):
             with self._lock:  # its module may have added it by itself
                 self._find_in_modules()
                 self._find_offered(name)
@@ -278,7 +278,8 @@ class Registry(Mapping[str, Thing]):
         return ""
 
 
-def _is_own(plugin: object) -> bool:
+def is_own(plugin: object) -> bool:
+    """Return whether what is registered, a class or a value, is rsegen's own and of no plug-in."""
     cls = plugin if isinstance(plugin, type) else type(plugin)
     return cls.__module__.startswith("rsegen.")
 

@@ -26,11 +26,11 @@ import numpy as np
 from rsegen.errors import ParameterError, inside, refuse_other, shown
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles import Grid, Obstacle, Patch
-from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise, refuse_other_levels
+from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
-from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose
+from rsegen.recipe.building import blocks, field_of, fixed_ends, flat_ground, impose, refuse_other_levels
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17

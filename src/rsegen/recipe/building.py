@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import TooLarge, inside, refuse_other
+from rsegen.errors import PluginError, TooLarge, inside, refuse_other
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.obstacles import Grid, Obstacle, Patch
-from rsegen.obstacles.base import refuse_other_levels
 from rsegen.params.arrays import cast, namespace, overwrite
+from rsegen.params.registry import is_own
 from rsegen.params.sorts import Cell, Integer, Json
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.map_design import MapDesign
@@ -76,6 +76,20 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
     patch = obstacle.patch(recipe.grid, first, last, rng)
     refuse_other_levels(obstacle, patch)
     return first, last, patch
+
+
+def refuse_other_levels(obstacle: Obstacle, patch: Patch) -> None:
+    """Raise a PluginError if a kind of a plug-in gives levels that are no integers, or none of its `level_range`."""
+    levels = patch.levels
+    if is_own(obstacle) or not isinstance(levels, np.ndarray):
+        return
+    if levels.dtype.kind not in "iu":
+        raise PluginError(f"obstacle kind {obstacle.kind}: levels of {levels.dtype}; expected integers")
+    own = levels[np.broadcast_to(patch.footprint, levels.shape)]  # it may be the same in many maps
+    low, high = obstacle.level_range
+    if own.size and not low <= own.min() <= own.max() <= high:
+        given = f"levels {own.min()}..{own.max()} are not all in {low}..{high}"
+        raise PluginError(f"obstacle kind {obstacle.kind}: {given}; a profile is 0 to 1, and drawn() gives levels")
 
 
 def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[dict[str, Json]]:

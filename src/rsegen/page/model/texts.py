@@ -21,6 +21,7 @@ from typing import Any
 
 from rsegen.errors import RsegenError
 from rsegen.page.model.session import Entry, draft_of
+from rsegen.params.registry import is_own
 from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.codec import decode, row_text, to_json
 from rsegen.recipe.map_design import without_derived_keys
@@ -266,7 +267,7 @@ def python_code(recipe: Recipe, folder: str) -> str:
     for obstacle in without_derived_keys(recipe.obstacles):
         cls, entry = type(obstacle), obstacle.entry()
         name = f"rsegen.{cls.__name__}"
-        if cls.__module__.partition(".")[0] != "rsegen":
+        if not is_own(cls):
             name = cls.__name__
             imports.add(f"from {cls.__module__} import {name}")
         calls.append(f"        {name}({', '.join(_arguments({key: entry[key] for key in entry if key != 'kind'}))}),")
