@@ -151,6 +151,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/lanes",
         "standing/careful_lanes",
         "standing/lattice",
+        "standing/evidence",
         "standing/reach",
         "standing/planner",
         "standing/spots",

@@ -266,7 +266,7 @@ def predict(  # noqa: PLR0913  # each is a flag
 
     It is driven in MuJoCo again and again, each time with other errors of its start, its position, friction and the
     heights of blocks, until the outcome is plain: 6 drives that end alike, or up to `drives`. On route way, ways are
-    planned by poses, tried, and planned anew around what held the robot.
+    planned by poses, tried, and planned anew by what drives have shown.
 
     Parameters
     ----------

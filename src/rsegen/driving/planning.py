@@ -1,28 +1,33 @@
-"""Ways that are driven: planned by poses, tried in the embedded simulator, and planned anew around what held the robot.
+"""Ways that are driven: planned by poses, tried in the embedded simulator, and planned anew by what drives have shown.
 
-    Planner --way--> drive --held at a place--> close that place --way--> drive --crossed--> spread of drives --> way
+    Planner --way--> drives --held at a place--> evidence --way--> drives --crossed--> spread of drives --> way
+       ^                                            |
+       +---- where robots got on, and were held ----+
 
 Poses find ways in a second, but know neither swing, nor slip, nor what a robot does after it has fallen. So a way is
-driven with the errors of a spread (prediction.py). Once two drives have failed, its moves about the places at which
-they failed are closed, and the next way is planned. One that is sure is taken, or else the best of those that were
-tried. Of several ways that are crossed by chance some cross in all of their first drives: so a later way is sure only
-by all drives of a spread. If poses find no way, the straight lanes are tried on which the robot gets farthest.
+driven with the errors of a spread (prediction.py). Once a drive has failed, the next way is planned: over what drives
+have passed rather than what nobody has tried, and around the places that held them (standing/evidence.py). It may be
+the same way again; once two of its drives have failed it is given up. One that is sure is taken, or else the best of
+those that were tried. Of several ways that are crossed by chance some cross in all of their first drives: so a later
+way is sure only by all drives of a spread. If poses find no way, the straight lanes are tried on which the robot gets
+farthest.
 
-Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is
-crossed by chance.
+Cost: up to sixteen plans of a fifth of a second, and as many drives that fail. What breaks it: a map whose ways all
+lead through one place that is crossed by chance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from typing import cast
 
 import numpy as np
 
-from rsegen.driving.prediction import LEAVES, DriveEnd, Prediction, Predictor
+from rsegen.driving.prediction import LEAVES, Outcome, Prediction, Predictor
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs, runs_along
 from rsegen.driving.routes import AlongWay, PlannedWay, Straight, followed
@@ -43,10 +48,44 @@ SURE = 0.9
 """Probability from which on a way is taken at once."""
 
 _FAILURES = 2
-"""Drives that fail, after which a way is left for the next one."""
+"""Drives that fail, after which a way is given up."""
 
-_TRIES, _LANES = 8, 4
-"""Ways that are tried, and straight lanes if poses find no way: some ten seconds."""
+_PLANS, _LANES = 16, 4
+"""Times that a way is planned, and straight lanes if poses find no way: some ten seconds."""
+
+
+@dataclass(kw_only=True, slots=True)
+class _Tried:
+    """A way that is tried, and what its drives say so far; why not, if none has a result."""
+
+    run: RobotRun
+    found: Prediction | None = None
+    error: SimulatorFailed | None = None
+
+    @property
+    def failures(self) -> int:
+        """The number of its drives that have failed."""
+        return self.found.drives - self.found.crossed if self.found else 0
+
+    @property
+    def probability(self) -> float:
+        """The probability of crossing as far as it is known; below all without a drive."""
+        return self.found.probability if self.found else -1.0
+
+    def drive(self, predictor: Predictor, scene: Scene, failures: int, *, is_first: bool) -> Sequence[Outcome]:
+        """Drive until so many drives have failed, or all of a prediction are done; return what was driven.
+
+        is_first: whether few drives are enough; of some ways one does well in them by chance
+        """
+        known = self.found
+        try:
+            self.found = predictor.tried(scene, self.run, failures, known)
+        except SimulatorFailed as error:
+            self.error = error
+            return ()
+        if self.failures < failures:
+            self.found = predictor.predict(scene, self.run, self.found, is_chosen=not is_first)
+        return self.found.outcomes[known.drives if known else 0 :]
 
 
 def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> Prediction:
@@ -54,53 +93,50 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
 
     best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
-    tried: list[tuple[Prediction, RobotRun]] = []
-    failure: SimulatorFailed | None = None
+    tried = _tried_ways(predictor, scene, robot, best) or _tried_lanes(predictor, scene, robot)
+    surest = max(tried, key=lambda one: one.probability)
+    if surest.found is None:
+        raise surest.error or SimulatorFailed("no way could be driven")
+    return predictor.predict(scene, surest.run, surest.found)
+
+
+def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> list[_Tried]:
+    """Return the ways that were tried, each planned by what the drives before have shown."""
     planner = Planner(Lattice(scene.field, robot.body, best, partial(report_share, "a way across")))
-    for way in _ways(planner, scene, robot):
-        (run,) = runs_along(scene.field, robot, way)
-        surest = max((one.probability for one, _ in tried), default=0.0)
-        try:
-            found = predictor.tried(scene, run, predictor.failures_below(surest, _FAILURES))
-            if tried and found.probability >= SURE:  # of some ways one does well by chance
-                found = predictor.predict(scene, run, found, is_chosen=True)
-        except SimulatorFailed as error:
-            failure = error
-            continue
-        tried.append((found, run))
-        if found.probability >= SURE:
+    tried = dict[bytes, _Tried]()
+    for _ in range(_PLANS):
+        way = planner.way(0, checked=False)  # drives check it
+        if way is None:
             break
-        for end in found.ends:
-            _close(planner, way, end)
-    if not tried:
-        raise failure or SimulatorFailed("no way could be driven")
-    found, run = max(tried, key=lambda one: one[0].probability)
-    return predictor.predict(scene, run, found)
-
-
-def _ways(planner: Planner, scene: Scene, robot: DrivableRobot) -> Iterator[PlannedWay]:
-    """Yield ways to try, each planned once it is asked for; without any, the straight lanes that get farthest."""
-    field, body, count = scene.field, robot.body, 0
-    while count < _TRIES and (way := planner.way(0, checked=False)) is not None:  # drives check it
-        count += 1
-        yield followed(field, body, way)
+        one = tried.setdefault(way.points.tobytes(), _Tried(run=_run(scene, robot, way)))
+        if one.found and one.failures >= _FAILURES:  # given up, and still the best of what is known
+            for end in one.found.ends:
+                planner.learn(way.points, (end.x, end.y), held=inf)
+            continue
+        for outcome in one.drive(predictor, scene, one.failures + 1, is_first=len(tried) == 1):
+            x, y = outcome.path[-1].tolist()
+            planner.learn(way.points, (x, y) if outcome.reason else None)
+        if one.error or one.probability >= SURE:
+            break
     report_share("a way across", 1)
-    if not count:
-        lanes = straight(field, body, 0)
-        for number in np.argsort(-lanes.last, kind="stable")[:_LANES]:
-            yield followed(field, body, no_way(lanes, body, int(number)))
+    return list(tried.values())
 
 
-def _close(planner: Planner, way: Way, end: DriveEnd) -> None:
-    """Close the moves of a way about the place at which a robot stayed."""
-    begins, ends = way.points[:-1], way.points[1:]
-    along = ends - begins
-    share = ((np.array([end.x, end.y]) - begins) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
-    nearest = begins + np.clip(share, 0, 1)[:, None] * along
-    number = int(np.hypot(*(nearest - (end.x, end.y)).T).argmin())
-    heading = round(float(np.arctan2(along[number, 1], along[number, 0])) / (np.pi / 4)) % 8
-    x, y = nearest[number].tolist()
-    planner.close(x, y, heading)
+def _tried_lanes(predictor: Predictor, scene: Scene, robot: DrivableRobot) -> list[_Tried]:
+    """Return the straight lanes on which poses get farthest, up to the first one that is sure."""
+    lanes, tried = straight(scene.field, robot.body, 0), list[_Tried]()
+    for number in np.argsort(-lanes.last, kind="stable")[:_LANES]:
+        tried.append(_Tried(run=_run(scene, robot, no_way(lanes, robot.body, int(number)))))
+        tried[-1].drive(predictor, scene, _FAILURES, is_first=len(tried) == 1)
+        if tried[-1].probability >= SURE:
+            break
+    return tried
+
+
+def _run(scene: Scene, robot: DrivableRobot, way: Way) -> RobotRun:
+    """Return the run of a robot along a way."""
+    (run,) = runs_along(scene.field, robot, followed(scene.field, robot.body, way))
+    return run
 
 
 def required_simulator(purpose: str) -> EmbeddedSimulator:

@@ -212,13 +212,6 @@ class Predictor:
                 break
         return self._prediction(outcomes, run, number)
 
-    def failures_below(self, probability: float, most: int) -> int:
-        """Return the number of failures, up to `most`, after which first drives cannot say more than a probability."""
-        count = min(FIRST, self.drives)
-        return next(
-            (failures for failures in range(1, most) if _probability(count - failures, count) <= probability), most
-        )
-
     def predict(
         self, scene: Scene, run: RobotRun, known: Prediction | None = None, *, is_chosen: bool = False
     ) -> Prediction:

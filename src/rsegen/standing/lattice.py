@@ -29,6 +29,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.evidence import MOVE, Evidence
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes, lines_along, steps_on
 from rsegen.standing.resting import has_stood, margins
@@ -47,8 +48,14 @@ _RISK = 3.0
 """Weight of risk in a safe way: a metre at half of the tilt at which the robot tips over counts as 2.5 metres on level
 ground, and one on which it falls as four."""
 
+_MOST_RISK = 2.0
+"""The largest tilt of a robot that stands, as a share of that at which it tips over on level ground."""
+
 Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
+
+Lane = tuple[float, float]
+"""The length of a lane onto the map or off it as which it counts, metres, and the worst on it."""
 
 _AROUND = 2
 """Cells around a way at which poses are found with those on it."""
@@ -77,8 +84,11 @@ class Lattice:
     level ground, 1 for a fall
     moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
     worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
+    evidence: what drives have shown of moves, by which ways are chosen once there are any
     watch: called after each step of what takes long
     """
+
+    evidence: Evidence | None = None
 
     def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = unwatched) -> None:
         self.field, self.body, self.best, self.watch = field, body, best, watch
@@ -93,6 +103,7 @@ class Lattice:
         # The tilt at which it tips over on level ground, in which the risk of a safe way is counted.
         self._tips_at = _margin_on_level(self.ground, body) if best == "safe" else np.inf
         self.turn_length = body.width / 2 * np.pi / 4
+        self._lengths = field.block_width * np.hypot(*np.broadcast_to(MOVES, (*shape, 2)).T).T.ravel()
         nowhere = np.empty(0)
         self._rest, self._number_of_rest = settle(self.ground, body, nowhere, nowhere, nowhere), np.full(shape, -1)
 
@@ -192,30 +203,43 @@ class Lattice:
         """Return the robot at rest in every heading at every block, by the blocks; known once its region is."""
         return self._rest.some(self._number_of_rest[~self.field.frame].ravel())
 
-    def standing_at(self, i: int, j: int) -> dict[Place, float]:
-        """Return the places of a cell at which the robot stands, with how bad its pose is there."""
+    def standing_at(self, i: int, j: int) -> dict[Place, Lane]:
+        """Return the places of a cell at which the robot stands, with how bad its pose is there, and no lane."""
         yaw = np.arange(HEADINGS) * np.pi / 4
         rest = settle(self.ground, self.body, np.full(HEADINGS, self.x[i]), np.full(HEADINGS, self.y[j]), yaw)
         worst = self.worst_value(rest)
-        return {(i, j, k): float(worst[k]) for k in np.flatnonzero(has_stood(rest)).tolist()}
+        return {(i, j, k): (0.0, float(worst[k])) for k in np.flatnonzero(has_stood(rest)).tolist()}
+
+    def counted(self, part: int, places: Ints | slice, length: Array, worst: Array) -> Array:
+        """Return the lengths as which moves or lanes count, with the worst on them: as drives have shown, if any have.
+
+        The sum of risks in a safe way and the sum of lengths are weighed against each other; where the largest tilt
+        decides, a place that held more drives than got on is closed.
+        part: one of rsegen.standing.evidence; infinite where it is closed
+        """
+        if self.evidence is None:
+            return length
+        if self.best in ("tilt", "margin"):
+            held, passed = (seen[part].ravel()[places] for seen in (self.evidence.held, self.evidence.passed))
+            return np.where(held > passed, np.inf, length)
+        risk = 1 + _RISK * worst if self.best == "safe" else 1.0
+        return self.evidence.metres(part, places, length * risk) / risk
 
     def best_way(
-        self, starts: Mapping[Place, float], goals: Mapping[Place, float], left: Array
+        self, starts: Mapping[Place, Lane], goals: Mapping[Place, Lane], left: Array
     ) -> tuple[float, list[Place]] | None:
         """Return the cost of the best way from a start to a goal, and its places; None if there is none.
 
         left: (n_x, n_y), a length from a cell that no way to a goal is shorter than
         """
+        if self.evidence is not None:
+            left = left * self.evidence.least_share(float(self._lengths.max()) * (1 + _RISK * _MOST_RISK))
         if self.best == "safe":
-            start = dict.fromkeys(starts, 0.0)
-
-            def risked(cost: float, length: float, worst: float) -> float:
-                return cost + length * (1 + _RISK * worst)
-
-            return self._cheapest(start, goals, risked, left)
+            return self._cheapest(starts, goals, lambda cost, length, worst: cost + length * (1 + _RISK * worst), left)
         limit = np.inf
         if self.best != "length":
-            least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst), np.zeros(self.field.shape))
+            none = np.zeros(self.field.shape)
+            least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst), none, -np.inf)
             if least is None:
                 return None
             limit = least[0] + 1e-9
@@ -223,31 +247,32 @@ class Lattice:
         def longer(cost: float, length: float, worst: float) -> float:
             return cost + length if worst <= limit else np.inf
 
-        allowed = {place: 0.0 for place, worst in starts.items() if worst <= limit}
-        return self._cheapest(allowed, goals, longer, left)
+        return self._cheapest(starts, goals, longer, left)
 
     def _cheapest(
         self,
-        starts: Mapping[Place, float],
-        goals: Mapping[Place, float],
-        cost_of: Callable[..., float],
+        starts: Mapping[Place, Lane],
+        goals: Mapping[Place, Lane],
+        cost_of: Callable[[float, float, float], float],
         left: Array,
+        first: float = 0.0,
     ) -> tuple[float, list[Place]] | None:
-        """Return the least cost from a start to a goal, which have costs too, and the places between.
+        """Return the least cost from a start to a goal, over lanes that lead there, and the places between.
 
         The robot is trusted with all that is not known to fail, and nothing is taken to be worse than the poses at its
         ends. What is not known of the best way then is found, until nothing is: no other way is better than that one
         (LazySP, Dellin and Srinivasa 2016). On rough ground that takes two to twenty ways.
         cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
-        left: (n_x, n_y), a cost from a cell that no way to a goal is below; it falls by no more than a move costs
+        left: of each cell a cost that no way to a goal is below; it falls by no more than a move costs
+        first: the cost before a start
         """
         of_place = np.repeat(left.ravel(), HEADINGS).tolist()
         begins, ends = (
-            {int(np.ravel_multi_index(place, self.moves.shape)): value for place, value in values.items()}
-            for values in (starts, goals)
+            {int(np.ravel_multi_index(place, self.moves.shape)): lane for place, lane in lanes.items()}
+            for lanes in (starts, goals)
         )
         while True:
-            found = cheapest(begins, ends, self._hopes(), cost_of, of_place)
+            found = cheapest(begins, ends, self._hopes(), cost_of, of_place, first)
             if found is None:
                 return None
             cost, way = found
@@ -270,17 +295,18 @@ class Lattice:
         leads_to, hoped = np.full(self.moves.size, -1), np.full(self.moves.size, np.inf)
         leads_to[tails], hoped[tails] = heads, np.maximum(least[tails], least[heads])
         known = np.where(self.moves, self.worst_of_moves, np.inf).ravel()
-        moves = np.where(self.is_driven.ravel(), known, hoped).tolist()
+        worst = np.where(self.is_driven.ravel(), known, hoped)
+        lengths = self.counted(MOVE, slice(None), self._lengths, np.where(np.isfinite(worst), worst, 0.0))
+        moves, lengths = np.where(np.isfinite(lengths), worst, np.inf).tolist(), lengths.tolist()
         least = least.reshape(self.turns.shape)
         known, hoped = np.where(self.turns, self.worst_of_turns, np.inf), np.maximum(least, np.roll(least, -1, axis=2))
         turns, ahead = np.where(self.is_turned, known, hoped).ravel().tolist(), leads_to.tolist()
-        lengths = (self.field.block_width, self.field.block_width * 2**0.5) * (HEADINGS // 2)
 
         def onward(at: int) -> Iterator[tuple[int, float, float]]:
             k = at % HEADINGS
             to_left, to_right = at + 1 - HEADINGS * (k == HEADINGS - 1), at - 1 + HEADINGS * (k == 0)
             if moves[at] < np.inf:
-                yield ahead[at], lengths[k], moves[at]
+                yield ahead[at], lengths[at], moves[at]
             if turns[at] < np.inf:
                 yield to_left, self.turn_length, turns[at]
             if turns[to_right] < np.inf:

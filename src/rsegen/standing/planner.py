@@ -20,6 +20,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
+from rsegen.standing.evidence import IN, MOVE, OUT, Evidence
 from rsegen.standing.lanes import (
     BESIDE,
     FALL_ROOM,
@@ -31,7 +32,7 @@ from rsegen.standing.lanes import (
     step_of,
     straight,
 )
-from rsegen.standing.lattice import HEADINGS, MOVES, Lattice, Place
+from rsegen.standing.lattice import HEADINGS, MOVES, Lane, Lattice, Place
 from rsegen.standing.resting import of_settled
 from rsegen.standing.settling import Settled, joined, settle
 from rsegen.standing.ways import DrivenWay, Way, no_way, straight_way, worst_of
@@ -39,6 +40,12 @@ from rsegen.standing.ways import DrivenWay, Way, no_way, straight_way, worst_of
 _CHECKED = 64
 """Ways whose straight pieces are driven as a whole, before there is said to be none."""
 
+
+_SHORT = 1e-12
+"""Squared length, m^2, of a piece of a way that is a point."""
+
+_HELD_TOO = {-1: 0.5, 0: 1.0, 1: 0.5}
+"""How much a place holds a robot that comes to it turned by so many headings."""
 
 _TURN_POSES = 7
 """Poses of a turn by 45 degrees that are shown."""
@@ -49,7 +56,6 @@ class Planner:
 
     def __init__(self, lattice: Lattice) -> None:
         self.lattice, self.field, self.body, self.ground = lattice, lattice.field, lattice.body, lattice.ground
-        self._closed: list[tuple[float, float, int]] = []
         self._lanes_at_ends: dict[int, tuple[Array, Array, Array, Mask, Array]] = {}
         # Metres that are driven from x, y in a heading so far aside, and whether the robot falls there.
         self._driven_on: dict[tuple[float, float, float, float], tuple[float, bool]] = {}
@@ -94,24 +100,48 @@ class Planner:
         best = self.lattice.best_way(starts, goals, self._distance_to(cells[1]))
         return self._driven_way(self._length(best[1]), best[1]) if best else None
 
-    def close(self, x: float, y: float, heading: int) -> None:
-        """Let no way lead past a place, metres, in a heading from now on: a robot got stuck there, whatever poses say.
+    def learn(self, way: Array, end: tuple[float, float] | None, held: float = 1.0) -> None:
+        """Take into account how far a drive along a way got: later ways lead where drives got on, and not where not.
 
-        Moves are closed whose middle is less than a block away; of lanes at both ends those on its line.
+        The robot is held as well by moves whose middle is less than a block away, half as much by those that are turned
+        by 45 degrees.
+
+        way: (n, 2), its points; end: where the robot was held, None if it crossed, metres
+        held: drives as which that counts; infinite to close the place
         """
-        self._closed.append((x, y, heading))
-        ahead, reach = MOVES[heading] * self.field.block_width / 2, self.field.block_width
-        near = np.hypot(self.lattice.x[:, None] + ahead[0] - x, self.lattice.y[None, :] + ahead[1] - y) < reach
-        self.lattice.is_driven[near, heading], self.lattice.moves[near, heading] = True, False
+        evidence = self.lattice.evidence = self.lattice.evidence or Evidence(self.lattice.moves.shape)
+        begins, along = way[:-1], np.diff(way, axis=0)
+        reached, at = len(along), np.zeros(2)
+        if end is not None:
+            share = ((end - begins) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), _SHORT)
+            nearest = begins + np.clip(share, 0, 1)[:, None] * along
+            reached = int(np.hypot(*(nearest - end).T).argmin())
+            at = nearest[reached]
+        middles = self.lattice.x, self.lattice.y
+        i, j = (np.abs(middles[axis][:, None] - begins[:, axis]).argmin(axis=0) for axis in (0, 1))
+        k = np.rint(np.arctan2(along[:, 1], along[:, 0]) / (np.pi / 4)).astype(int) % HEADINGS
+        parts = np.full(len(along), MOVE)
+        parts[[0, -1]], i[0], j[0] = (IN, OUT), i[1], j[1]
+        if np.isfinite(held):
+            evidence.passed[parts[:reached], i[:reached], j[:reached], k[:reached]] += 1
+        if end is not None:
+            self._held_at(at, int(k[reached]), held)
 
-    def _is_closed(self, x: float, y: float, heading: int, length: float) -> bool:
-        """Return whether a lane from a place leads past one that is closed."""
-        for at_x, at_y, at_heading in self._closed:
-            c, s = np.cos(heading * np.pi / 4), np.sin(heading * np.pi / 4)
-            along, aside = c * (at_x - x) + s * (at_y - y), c * (at_y - y) - s * (at_x - x)
-            if heading == at_heading and 0 <= along <= length and abs(aside) < self.field.block_width / 2:
-                return True
-        return False
+    def _held_at(self, at: Array, heading: int, held: float) -> None:
+        """Let moves past a place hold the robot, and the lanes at both ends that are on its line."""
+        assert self.lattice.evidence is not None  # noqa: S101  # `learn` made it
+        width = self.field.block_width
+        for turned, share in _HELD_TOO.items():
+            k = (heading + turned) % HEADINGS
+            x, y = self.lattice.x + MOVES[k, 0] * width / 2, self.lattice.y + MOVES[k, 1] * width / 2
+            near = np.hypot(x[:, None] - at[0], y - at[1]) < width
+            self.lattice.evidence.held[MOVE, near, k] += share * held
+        for axis, (*starts, length, _, _) in self._lanes_at_ends.items():
+            if heading == 2 * axis:
+                parts, i, j = self._places_at_ends(axis)
+                along, aside = at[axis] - starts[axis], at[1 - axis] - starts[1 - axis]
+                on = (along >= 0) & (along <= length) & (np.abs(aside) < width / 2)
+                self.lattice.evidence.held[parts[on], i[on], j[on], heading] += held
 
     def _driven_pieces(self, line: Array, heading: Ints, *, checked: bool) -> Lanes | list[int]:
         """Return the lanes of the straight pieces of a way, or on which lanes from place to place it ends.
@@ -181,19 +211,28 @@ class Planner:
         i, j = np.indices(self.field.shape)
         return np.asarray(self.field.block_width * np.hypot(i - goal[0], j - goal[1]))
 
-    def _ends(self, axis: int) -> tuple[dict[Place, float], dict[Place, float]]:
-        """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
+    def _ends(self, axis: int) -> tuple[dict[Place, Lane], dict[Place, Lane]]:
+        """Return the places where the robot comes in, and those where it gets out, with the lane there."""
         if axis not in self._lanes_at_ends:
             self._lanes_at_ends[axis] = self._drive_ends(axis)
-        x, y, length, passed, worst = self._lanes_at_ends[axis]
-        numbers, last = np.flatnonzero(lines_along(self.field, axis)), self.field.shape[axis] - 1
-        ends: list[dict[Place, float]] = [{}, {}]
-        for number in np.flatnonzero(passed).tolist():
-            if not self._is_closed(float(x[number]), float(y[number]), 2 * axis, float(length[number])):
-                side, line = number // len(numbers), int(numbers[number % len(numbers)])
-                cell = (0, last)[side]
-                ends[side][(cell, line, 0) if axis == 0 else (line, cell, 2)] = float(worst[number])
+        _, _, length, passed, worst = self._lanes_at_ends[axis]
+        parts, i, j = self._places_at_ends(axis)
+        ends: list[dict[Place, Lane]] = []
+        for part in (IN, OUT):
+            which = np.flatnonzero(passed & (parts == part))
+            at = i[which], j[which], np.full(len(which), 2 * axis)
+            numbers = np.ravel_multi_index(at, self.lattice.moves.shape)
+            counted = self.lattice.counted(part, numbers, length[which], worst[which])
+            lanes = zip(*(values.tolist() for values in (*at, counted, worst[which])), strict=True)
+            ends.append({(x, y, k): (far, bad) for x, y, k, far, bad in lanes if far < np.inf})
         return ends[0], ends[1]
+
+    def _places_at_ends(self, axis: int) -> tuple[Ints, Ints, Ints]:
+        """Return of all lanes at both ends whether they lead in or out, and the cells to or from which they do."""
+        numbers = np.flatnonzero(lines_along(self.field, axis))
+        lines, cells = np.tile(numbers, 2), np.repeat([0, self.field.shape[axis] - 1], len(numbers))
+        i, j = (cells, lines) if axis == 0 else (lines, cells)
+        return np.repeat([IN, OUT], len(numbers)), i, j
 
     def _drive_ends(self, axis: int) -> tuple[Array, Array, Array, Mask, Array]:
         """Return x and y where lanes in begin, then those out, their lengths, whether they are driven, the worst."""

@@ -16,21 +16,24 @@ _BEYOND = -1
 
 
 def cheapest(
-    starts: Mapping[int, float],
-    goals: Mapping[int, float],
+    starts: Mapping[int, tuple[float, float]],
+    goals: Mapping[int, tuple[float, float]],
     onward: Callable[[int], Iterable[tuple[int, float, float]]],
     cost_of: Callable[[float, float, float], float],
     left: Sequence[float],
+    first: float = 0.0,
 ) -> tuple[float, list[int]] | None:
     """Return the least cost from a start to a goal, and the places between; None if no goal is reached.
 
-    starts: the costs there; goals: the worst there; places are numbers from 0 on
+    starts, goals: the length of what leads there, and on from there, and the worst on it; places are numbers from 0 on
     onward: places to which a place leads, the length of each move, and the worst on it
     cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
     left: of each place a cost that no way to a goal is below, and which falls by no more than a move costs
+    first: the cost before a start
     """
-    costs, before = dict(starts), dict[int, int]()
-    front = [(cost + left[at], 0.0, at) for at, cost in costs.items()]  # of equal ones the nearest goes on
+    costs, before = {at: cost_of(first, *lane) for at, lane in starts.items()}, dict[int, int]()
+    # Of equal ones the nearest goes on.
+    front = [(cost + left[at], 0.0, at) for at, cost in costs.items() if cost < np.inf]
     heapify(front)
     done, arrived = set[int](), np.inf
     while front:
@@ -40,7 +43,7 @@ def cheapest(
         if at in done:
             continue
         done.add(at)
-        if at in goals and (last := cost_of(costs[at], 0.0, goals[at])) < arrived:
+        if at in goals and (last := cost_of(costs[at], *goals[at])) < arrived:
             arrived, before[_BEYOND] = last, at
             heappush(front, (last, run, _BEYOND))
         for on, length, worst in onward(at):
