@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -206,8 +206,13 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
     assert found.way.length > PASSAGE.field.extent[0]
 
 
-def test_a_later_way_is_sure_only_by_all_drives(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first way holds the robot, the second one lets it across in the first drives alone, the third always."""
+def ways_by_script(
+    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool]
+) -> tuple[Prediction, list[bytes], list[tuple[int, int]]]:
+    """Return what is found, the ways that were tried, and which drives there were: numbers of the way and of the drive.
+
+    crosses: which drives do; the others end in the middle of their ways
+    """
     ways: list[bytes] = []
     driven: list[tuple[int, int]] = []
 
@@ -216,19 +221,41 @@ def test_a_later_way_is_sure_only_by_all_drives(monkeypatch: pytest.MonkeyPatch)
         points = run.way.points.tobytes()
         if points not in ways:
             ways.append(points)
-        way = ways.index(points)
-        driven.append((way, number))
+        driven.append((ways.index(points), number))
+        if crosses(*driven[-1]):
+            return rsegen.Outcome(seconds=9.0, path=run.way.points)
         path = run.way.points[[0, len(run.way.points) // 2]]
-        if way == 0 or (way == 1 and number >= FIRST):
-            return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
-        return rsegen.Outcome(seconds=9.0, path=path)
+        return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
 
     monkeypatch.setattr("rsegen.driving.prediction.spread_drive", scripted)
     found = predict_way(predictor(), PASSAGE, ROBOTS["jackal"], "safe")
+    assert len(set(driven)) == len(driven), "no drive is done twice"
+    return found, ways, driven
+
+
+def test_a_later_way_is_sure_only_by_all_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first way holds the robot, the second one lets it across in the first drives alone, the third always."""
+    found, ways, driven = ways_by_script(monkeypatch, lambda way, number: way > 1 or (way == 1 and number < FIRST))
     assert [sum(way == number for way, _ in driven) for number in range(3)] == [1, MOST, MOST]
     assert found.way is not None
     assert found.way.points.tobytes() == ways[2]
     assert (found.crossed, found.drives) == (MOST, MOST)
+
+
+def test_a_way_that_failed_once_is_tried_again_where_others_are_worse(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, ways, driven = ways_by_script(monkeypatch, lambda way, number: way == 0 and number > 0)
+    assert [way for way, _ in driven][:2] == [0, 1], "another one first"
+    assert len(ways) > 2
+    assert found.way is not None
+    assert found.way.points.tobytes() == ways[0]
+    assert (found.crossed, found.drives) == (MOST - 1, MOST)
+
+
+def test_where_nothing_crosses_the_search_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, ways, driven = ways_by_script(monkeypatch, lambda _way, _number: False)
+    assert found.probability < 0.1
+    assert 4 < len(ways) <= len(driven) < 2 * MOST
+    assert max(sum(way == number for way, _ in driven) for number in range(len(ways))) == FIRST
 
 
 def test_a_scene_that_is_turned_has_its_north_in_the_east() -> None:
