@@ -14,7 +14,7 @@ from scipy.stats import norm
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.driving.planning import _way_back, northward, predict_way, predictions, predictor_for
+from rsegen.driving.planning import SURE, _way_back, northward, predict_way, predictions, predictor_for
 from rsegen.driving.prediction import Prediction, Predictor, spread_drive, until_decided
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs
@@ -207,7 +207,7 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
 
 
 def ways_by_script(
-    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool]
+    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool], drives: int = MOST
 ) -> tuple[Prediction, list[bytes], list[tuple[int, int]]]:
     """Return what is found, the ways that were tried, and which drives there were: numbers of the way and of the drive.
 
@@ -228,7 +228,7 @@ def ways_by_script(
         return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
 
     monkeypatch.setattr("rsegen.driving.prediction.spread_drive", scripted)
-    found = predict_way(predictor(), PASSAGE, ROBOTS["jackal"], "safe")
+    found = predict_way(replace(predictor(), drives=drives), PASSAGE, ROBOTS["jackal"], "safe")
     assert len(set(driven)) == len(driven), "no drive is done twice"
     return found, ways, driven
 
@@ -249,6 +249,16 @@ def test_a_way_that_failed_once_is_tried_again_where_others_are_worse(monkeypatc
     assert found.way is not None
     assert found.way.points.tobytes() == ways[0]
     assert (found.crossed, found.drives) == (MOST - 1, MOST)
+
+
+@pytest.mark.parametrize("drives", [1, 3, 10])
+def test_of_fewer_drives_a_way_has_no_more(drives: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One drive that crosses is not sure, and neither is a way of which one of three or of ten fails."""
+    found, ways, driven = ways_by_script(monkeypatch, lambda _way, number: number > 0 or drives == 1, drives)
+    assert (found.crossed, found.drives) == (max(drives - 1, 1), drives)
+    assert found.probability < SURE
+    assert max(number for _, number in driven) < drives
+    assert (len(ways) == 1) == (drives == 1), "others are tried where one failed"
 
 
 def test_where_nothing_crosses_the_search_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -109,8 +109,10 @@ def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
         if way is None:
             break
         one = tried.setdefault(way.points.tobytes(), _Tried(run=_run(scene, robot, way)))
-        if one.found and one.failures >= _FAILURES:  # given up, and still the best of what is known
-            for end in one.found.ends:
+        if one.found and (one.failures >= _FAILURES or one.found.next_drive >= predictor.drives):
+            if not one.failures:
+                break
+            for end in one.found.ends:  # given up, and still the best of what is known
                 planner.learn(way.points, (end.x, end.y), held=inf)
             continue
         for outcome in one.drive(predictor, scene, one.failures + 1, is_first=len(tried) == 1):

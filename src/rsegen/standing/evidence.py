@@ -10,7 +10,7 @@ distribution of little weight s, since most places hold a robot always or never:
 
 h w is what poses let expect of w metres, weighted by risk. A robot gets over a way with the product of all 1 - q, so
 the surest way is the one with the least sum of -log(1 - q), here counted in metres, by 1/h: w where nobody has been, a
-third of it after one drive that got on, some 3 m where one was held, and no limit where a place is closed.
+third of it after one drive that got on, some 4 m where one was held, and no limit where a place is closed.
 
 Cost: one array operation a search. What breaks it: a place that holds only robots that come from one side.
 """
@@ -25,8 +25,9 @@ MOVE, IN, OUT = range(3)
 """What a robot gets over: a move on from a place, the lane onto the map that leads there, or that from there off it."""
 
 _HAZARD = 0.3
-"""Hazard h of ground that nobody has tried, per weighted metre: of twelve first drives over fresh maps of mixed-course,
-eight such metres each, one crossed. Between 0.1 and 0.4 ways that are found are about as sure, with 1 less."""
+"""Hazard h of ground that nobody has tried, per weighted metre. Of 120 drives along the first ways over 40 maps of
+mixed-course, 13 such metres each, ten crossed, which is 0.2; of drives along the ways that were found at last with 0.1,
+0.4 and 1 on twelve other maps, 52, 57 and 35 in a hundred did."""
 
 _WEIGHT = 0.5
 """Drives as which what poses let expect weighs: with the prior of a prediction, Beta(1/4, 1/4), as much."""

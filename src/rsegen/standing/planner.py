@@ -6,6 +6,8 @@
     - - - - -  3 mm           the lanes next to them; where it falls, 2 cm aside
             o   o---o         where one ends, that move is barred, and the next best way is planned
 
+What drives have shown (evidence.py) weighs on the ways that are planned after them.
+
 Cost: a second for each twenty ways that are planned anew; on rough ground that takes one to twenty. What breaks it:
 what breaks lanes.
 """
