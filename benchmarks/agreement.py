@@ -33,7 +33,7 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.many import wilson
-from rsegen.driving.recording import PERIOD, DriveRecording, RobotRun, drive_in_steps, record_drive, record_embedded
+from rsegen.driving.recording import PERIOD, DriveRecording, RobotRun, drive_in_steps, record_embedded
 from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.recipe.codec import decode
@@ -45,7 +45,6 @@ from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.simulators.poses import adjacent_pose
 from rsegen.standing.spots import GAP
-from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "agreement.json"
 
@@ -201,10 +200,7 @@ def recording_of(simulator: str, scene: Scene, runs: Sequence[RobotRun], seconds
     if simulator in MUJOCO:
         motors = simulator.rpartition(" ")[2]
         return record_embedded(EMBEDDED["mujoco"], scene, runs, seconds, contacts=False, motors=motors)
-    here = SIMULATORS[simulator].installation()
-    assert here is not None  # noqa: S101  # `main`
-    with world_of(scene, None).on_disk() as file:
-        return record_drive(here, file, runs, seconds, contacts=False)
+    return crossings.recorded_in(simulator, scene, runs, seconds)
 
 
 def outcomes(simulator: str, world: World, ways: Ways, aside: float = 0.0) -> Iterator[Outcome]:

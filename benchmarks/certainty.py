@@ -34,7 +34,7 @@ from rsegen.driving.drive import driven_robot
 from rsegen.driving.many import wilson
 from rsegen.driving.planning import predict_way, predictor_for
 from rsegen.driving.prediction import Prediction, Predictor, spread_drive
-from rsegen.driving.recording import RobotRun, record_drive
+from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs, runs_along
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.driving.spread import spread_run
@@ -47,7 +47,6 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.writing.execute import Execution, cores, execute
-from rsegen.writing.target_worlds import world_of
 
 FILE, PICTURE = RESULTS / "certainty.json", Path(__file__).parents[1] / "docs" / "pictures" / "certainty.png"
 
@@ -181,14 +180,11 @@ def _in_mujoco(scene: Scene, run: RobotRun, motors: str) -> list[bool]:
 
 def _in_gazebo(name: str, scene: Scene, run: RobotRun) -> list[bool]:
     """Return whether a drive in a Gazebo crosses, with errors of its start and position; nothing if it fails."""
-    here = SIMULATORS[name].installation()
-    assert here is not None  # noqa: S101  # `main` looked
     erring, _ = spread_run(scene, run, FIRST_JUDGE)
     try:
-        with world_of(scene, None).on_disk() as file:
-            recording = record_drive(here, file, [erring], _GAZEBO_SECONDS, contacts=False)
+        recording = crossings.recorded_in(name, scene, [erring], _GAZEBO_SECONDS)
     except SimulatorFailed as error:
-        print(f"no result in {here}: {error}", file=sys.stderr)
+        print(f"no result in {_TITLES[name]}: {error}", file=sys.stderr)
         return []
     return [driven_robot(erring, scene, recording, Straight.name).metrics.crossed is not None]
 

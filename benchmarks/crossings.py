@@ -30,7 +30,7 @@ import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.drive import DrivenRobot, driven_robot
-from rsegen.driving.recording import RobotRun, record_embedded
+from rsegen.driving.recording import DriveRecording, RobotRun, record_drive, record_embedded
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import Straight
 from rsegen.field.stepfield import StepField
@@ -40,6 +40,7 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import End, entry_distance, step_of, straight
+from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "crossings.json"
 
@@ -240,6 +241,20 @@ def _robots_driven(simulator: str, robot: Robot, scene: Scene, runs: Sequence[Ro
         return [driven_robot(run, scene, recording, Straight.name) for run in runs]
     drive = partial(rsegen.drive, scene, robot=robot, robots=len(runs), seed=1)
     return drive(simulator=simulator, duration=seconds, contacts=False).robots
+
+
+def recorded_in(simulator: str, scene: Scene, runs: Sequence[RobotRun], seconds: float) -> DriveRecording:
+    """Return the recording of a drive in a Gazebo, and print what its server complained about.
+
+    A server that lacks the plug-in of a robot's flippers drives it all the same, and the record is worth nothing.
+    """
+    here = SIMULATORS[simulator].installation()
+    assert here is not None  # noqa: S101  # the caller looked
+    with world_of(scene, None).on_disk() as file:
+        recording = record_drive(here, file, runs, seconds, contacts=False)
+    for line in recording.errors:
+        print(f"{here}: {line}", file=sys.stderr)
+    return recording
 
 
 def highest_step(field: StepField, line: float, width: float) -> float:
