@@ -121,7 +121,7 @@ class _Scene:
 
 
 _ById = MutableMapping[tuple[str, str], Element]
-"""Elements by their tag and #id: programs give a node and its geometry one id, though none may be there twice."""
+"""Elements by their tag and #id: programs give a node and its geometry one id, though no id may occur twice."""
 
 
 def _by_id(root: Element) -> _ById:
