@@ -180,7 +180,7 @@ def did_you_mean(name: object, known: Iterable[str], meant: Iterable[str] = ()) 
 
 
 def _meant(name: str, known: Collection[str]) -> list[str]:
-    """Return the known parameter, or flag, that another word for it means, if there is one."""
+    """Return the known parameter, or flag, that another word for it means, if any."""
     words = _PARAMETERS.get(name.strip("-").replace("-", "_").lower(), ())
     flags = [f"--{word.replace('_', '-')}" for word in words] if name.startswith("-") else words
     return [word for word in flags if word in known][:1]
@@ -228,7 +228,7 @@ _HOW_MADE = {
     "Scene": "scene, which rsegen.compose makes of a recipe",
     "StepField": "field, which rsegen.build makes of a recipe",
 }
-"""By class: the name of the values that functions in Python take, and the calls that make them."""
+"""Name of the values of each class that functions in Python take, and the calls that make them."""
 
 
 def refuse_other(where: str, value: object, *kinds: type) -> None:

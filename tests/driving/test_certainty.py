@@ -14,8 +14,8 @@ from rsegen.driving import certainty
 from rsegen.driving.planning import predictions
 from rsegen.errors import NoSimulator, ParameterError
 from rsegen.field.crossing import CrossingModel
-from rsegen.recipe.certainty import answered
 from rsegen.recipe.codec import decode
+from rsegen.recipe.recipe_file import answered
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene, compose
 

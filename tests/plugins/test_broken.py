@@ -136,7 +136,7 @@ class Dune(Format):
     [
         ("force", "the parameter 'force' has a reserved name"),
         ("values", "the parameter 'values' has a reserved name"),
-        ("pixels", "the parameter 'pixels' is there already, with other values"),
+        ("pixels", "the parameter 'pixels' exists already, with other values"),
     ],
 )
 def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str, tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rsegen.errors import FileError
-from rsegen.geometry import collada
-from rsegen.geometry.collada import read_collada
+from rsegen.geometry import mesh_files
+from rsegen.geometry.mesh_files import read_collada
 from rsegen.robots.sdf_file import from_file
 from tests.robots.test_body import model
 
@@ -133,7 +133,7 @@ def test_what_is_no_mesh_is_refused_in_a_line(text: str, message: str, tmp_path:
 
 
 def test_a_geometry_may_not_be_named_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collada, "_MOST_TRIANGLES", 100)  # of 5 points each
+    monkeypatch.setattr(mesh_files, "_MOST_TRIANGLES", 100)  # of 5 points each
     with pytest.raises(FileError, match="more than 100 triangles"):
         box_of(tmp_path, document(NODE * 21))
     assert box_of(tmp_path, document(NODE * 20)) == [0, 0, 0, 2, 1, 0]

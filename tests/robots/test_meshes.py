@@ -10,7 +10,7 @@ import trimesh
 
 import rsegen
 from rsegen.errors import FileError
-from rsegen.geometry.collada import Triangles
+from rsegen.geometry.mesh_files import Triangles
 from rsegen.robots import body, meshes, sdf_shapes
 from rsegen.robots.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file

@@ -15,7 +15,7 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
-from rsegen.geometry.collada import Triangles
+from rsegen.geometry.mesh_files import Triangles
 from rsegen.robots import meshes, visuals
 from rsegen.robots import robot_picture as module
 from rsegen.robots.base import ROBOTS

@@ -132,7 +132,7 @@ def test_a_robot_for_which_a_map_has_no_spot_stands_beside_it_and_that_is_said(s
     put = rsegen.spawn(replace(COURSE, obstacles=[posts]), robot="jackal", simulator="sim")
     assert put.on is None
     assert (
-        "course_0000 has no free spot for jackal, which stands beside it; to put it on the map, set pose="
+        "course_0000 has no free spot for jackal, which is put next to it; to put it on the map, set pose="
         in put.notes[1]
     )
     even = rsegen.spawn(replace(COURSE, name="even", chunk_size=10), robot="burger", simulator="sim")

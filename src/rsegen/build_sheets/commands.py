@@ -59,7 +59,7 @@ def run_sheet(arguments: argparse.Namespace) -> Report:
     if arguments.csv is not None:
         paths.append(Path(arguments.csv))
         if [sheet_format(path) == "csv" for path in paths] != [False, True]:
-            given_names = f"{paths[1]} beside {paths[0]}"
+            given_names = f"{paths[1]} with -o {paths[0]}"
             raise ParameterError("--csv", f"{given_names}; --csv needs a name that ends in .csv, and -o one in .pdf")
     settings = given(CutSettings, arguments, arguments.units)
     _, recipe, index = map_of_flags(arguments)

@@ -17,7 +17,6 @@ from rsegen.cli.parser import Group, Parser
 from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Shell, add_flag, declared, given
 from rsegen.params.sorts import key_values, parameters
-from rsegen.recipe.certainty import answered
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -103,6 +102,8 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     given_flags = recipe_flags(arguments)
     if not (added or given_flags):
         return start
+    from rsegen.recipe.recipe_file import answered
+
     match given_flags:
         case {"inventory": [str(name)]} if name:
             from rsegen.recipe.inventory_file import inventory_in

@@ -80,7 +80,7 @@ def generate(  # noqa: PLR0913  # each is a flag
         execution,
         beside=beside or (),
     )
-    # What lies beside the maps may take long to make, so it is made once nothing refuses the run.
+    # Files next to the maps may take long to make, so they are made once nothing refuses the run.
     files = {name: [make()] for name, make in (beside or {}).items()}
     with open_store(plan.folder, sync=sync) as store:
         maps = run_in(store, plan, progress)

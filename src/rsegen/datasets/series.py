@@ -29,12 +29,10 @@ from rsegen.recipe.codec import map_json, to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution, execute
-from rsegen.writing.journal import read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, is_kept, run_in
-from rsegen.writing.resources import check_needs
 from rsegen.writing.sidecars import Sidecar, are_complete
-from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit
-from rsegen.writing.worlds import GeneratedMap, seconds_per_world, world_output
+from rsegen.writing.store import open_store, refuse_busy
+from rsegen.writing.worlds import GeneratedMap, refuse_names, seconds_per_world, world_output, worlds_at_once
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,26 +99,18 @@ def plan_series(
 ) -> SeriesRun:
     """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
     execution, numbers = execution or Execution(), range(plan.recipe.maps)
-    for sidecar in sidecars:
-        sidecar.refuse(plan.recipe)
     refuse_busy(folder)
-    at_once = check_needs(
-        [plan.recipe], len(numbers), folder, "measure", [thing for sidecar in sidecars for thing in sidecar.in_memory]
-    )
+    at_once = worlds_at_once(plan.recipe, len(numbers), folder, sidecars, "measure")
     execution = replace(execution, workers=min(execution.workers, at_once))
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
-    replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
-    for name in (TABLE, PICTURE):
-        refuse_unit(folder, name, read_journal(folder), force=replaces)
-    if not keeps:
-        refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
+    refuse_names(folder, map(plan.map_name, numbers), (TABLE, PICTURE), on_existing)
     spans: list[Span] = []
     for batch in execute(partial(_spans, plan), plan.fields, 2 * _seconds_per_value(plan), execution):
         spans += batch
         report_share("fields as designed", len(spans) / len(plan.fields))
     line = mean(plan, spans)
-    existing = _existing(plan, line, folder, sidecars) if keeps else []
+    existing = _existing(plan, line, folder, sidecars) if on_existing is OnExisting.KEEP else []
     searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)
     return RunPlan(
         folder=folder,
@@ -129,7 +119,7 @@ def plan_series(
         seconds=seconds_per_world(plan.recipe, sidecars) + 3e-3 + prod(plan.recipe.grid.shape) * 1e-6 + searched,
         to_make=numbers,
         existing=existing,
-        replaces=replaces,
+        replaces=on_existing is not OnExisting.REFUSE,
         execution=execution,
     )
 

@@ -16,8 +16,8 @@ from dataclasses import replace
 from rsegen.driving.planning import predictions, required_simulator
 from rsegen.errors import ParameterError, refuse_other
 from rsegen.params.watch import report_share
-from rsegen.recipe.certainty import CERTAINTY
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import CERTAINTY
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.scene.scene import compose
 

@@ -1,4 +1,4 @@
-"""How contacts hold: friction along and across, belts that run, sliding, and what of it Gazebo Classic does otherwise.
+"""Contacts that hold: friction along and across, belts that run, sliding, and what Gazebo Classic does otherwise.
 
     contacts found -> Shapes.turn: directions, coefficients, speeds of belts -> constraints -> slide -> solution
 
@@ -103,7 +103,7 @@ class Shapes:
     turned: whether the friction of any shape has a direction; are_boxes: whether it is a box, that
     of all shapes of a world or of none; speed: of the surface of each shape, m/s, 0 but for belts
 
-    A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
+    A robot has some ten contacts, for which Python's numbers take a quarter of the time of numpy's arrays.
     """
 
     def __init__(
@@ -330,7 +330,7 @@ def slide(model: Any, data: Any, contact: Any) -> None:
     """
     if not data.ncon:
         return
-    # A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
+    # A robot has some ten contacts, for which Python's numbers take a quarter of the time of numpy's arrays.
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref

@@ -1,7 +1,7 @@
 """Friction between two surfaces is the smaller of their coefficients, as in both Gazebos; MuJoCo has no such rule.
 
 It takes the coefficient of the shape with the higher priority, or else the larger of both. So each coefficient of the
-map is a bit in the masks by which MuJoCo decides what may touch what, and each shape of a robot is there twice at most:
+map is a bit in the masks by which MuJoCo decides what may touch what, and each shape of a robot exists at most twice:
 
     rough    priority 1, with its own coefficient, touches the parts of the map that are no smoother than itself
     smooth   priority 0, without friction, touches the others, of which the coefficient then is the larger one

@@ -1,8 +1,8 @@
 """Visuals of a map with robots in a window of MuJoCo: meshes in colours, and light.
 
 A drive has collision shapes alone; only a window adds what is seen, so that drives stay as fast as they are. Meshes of
-a map are of one colour each, so few however large the map is. Collision shapes are in group 3, which a window hides
-until somebody presses 3.
+a map are of one colour each, so their number does not grow with the map. Collision shapes are in group 3, which a
+window hides until somebody presses 3.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def _refuse_without_window() -> None:
     try:
         import glfw
         import mujoco.viewer  # noqa: F401  # of the same extra
-    except (ImportError, RuntimeError):  # glfw is there, and its library is not
+    except (ImportError, RuntimeError):  # glfw is installed without its library
         raise NoSimulator(f"MuJoCo's window needs glfw, which is not installed: {_RENDERING}") from None
     if sys.platform == "darwin":  # GLFW is mjpython's there, and Cocoa always has a screen
         return

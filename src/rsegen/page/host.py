@@ -343,7 +343,7 @@ def state_of(opened: Opened, index: int) -> State:
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "values": dict(session.draft.values),
-        # Whether a row is switched on stands beside its entry.
+        # The switch of a row is a value of its own, next to its entry.
         "rows": [
             {
                 "entry": {name: value for name, value in entry.items() if name != "enabled"},

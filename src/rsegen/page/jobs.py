@@ -6,7 +6,7 @@
 So a page can do what a shell can, with the same checks and messages, and nothing else. The recipe of the document is a
 file in a folder of the job's own, so a document that was never saved is run too, and one that is edited meanwhile
 changes nothing. A job is stopped as Ctrl-C stops a command, which leaves nothing half written; whatever happens to the
-server, a job ends with it, and with a job all that it has started (`simulators/process.py`).
+server, a job ends with it, and with a job all that it has started (`writing/programs.py`).
 """
 
 from __future__ import annotations

@@ -104,7 +104,7 @@ def name_conflict(cls: type, reserved: Collection[str], base: type = object, oth
             return f"the parameter {name!r} has no help"
         for known in (parameters(other).get(name) for other in others if other is not cls):
             if known and (type(known) is not type(parameter) or known.describe() != parameter.describe()):
-                return f"the parameter {name!r} is there already, with other values ({known.describe()})"
+                return f"the parameter {name!r} exists already, with other values ({known.describe()})"
     return ""
 
 
@@ -200,7 +200,7 @@ class Registry(Mapping[str, Thing]):
 
     def _find(self, name: str) -> None:
         with self._lock:
-            # The file with the name of the thing, if there is one, as for many things.
+            # The file with the name of the thing, if any, as for many things.
             file = offered_modules(self._group).get(name) or (f"{self._package}.{name}" if self._package else "")
             if file and isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
                 import_module(file)

@@ -257,7 +257,7 @@ def _normals(corners: Array) -> Array:
 
 
 def _draw(nearest: NDArray[np.uint64], seen: Array, first: int = 0) -> None:
-    """Draw projected triangles, the first of which has the index `first`, where they are nearer than what is there."""
+    """Draw projected triangles, the first with the index `first`, where they are nearer than what was drawn before."""
     for at, nearness, triangle in _pixels(seen, nearest.shape):
         keys = nearness.astype(np.float32).view(np.uint32).astype(np.uint64) << np.uint64(32)
         np.maximum.at(nearest.reshape(-1), at, keys | (triangle + first).astype(np.uint64))

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import json
 import os.path
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
-from rsegen.errors import FileError, ParameterError, UserError, did_you_mean
+from rsegen.errors import FileError, ParameterError, UserError, did_you_mean, inside
 from rsegen.input_files import file_type, parser_message, refuse_duplicates, regular_content, text_of
 from rsegen.params.capabilities import hooks
-from rsegen.params.sorts import FilePath, Json
-from rsegen.recipe.certainty import answered
+from rsegen.params.sorts import FilePath, Float, Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
@@ -87,6 +88,33 @@ def recipe_and_content(path: Path) -> tuple[Recipe, object]:
         if other := _other_file(path):
             raise FileError(f"{path}: {other}") from None
         raise error.of(str(path)) if isinstance(error, ParameterError) else error from None
+
+
+CERTAINTY = Float(0.5, 0.95, help="probability with which a robot gets across the maps of a recipe")
+"""Above 0.95 no number of drives within seconds tells two probabilities apart; below 0.5 a map is not for the robot."""
+
+
+def answered(make: Callable[[Any], Recipe], content: Any) -> Recipe:
+    """Return the recipe that `make` makes of a content; if it asks for a certainty, with the room that this takes.
+
+        crossable_by: crawler:0.9 --drives--> crossable_by: crawler, crossable_room: 0.4
+
+    Lanes are lowered by poses, which have no probability; drives have one, but maps are not to depend on a simulator
+    and its version. So drives decide once how much room to spare the lanes need, and a recipe has that.
+    """
+    asked = content.get("crossable_by") if isinstance(content, Mapping) else None
+    robot, colon, share = asked.partition(":") if isinstance(asked, str) else ("", "", "")
+    if not colon:
+        return make(content)
+    with inside("crossable_by"):
+        certainty = CERTAINTY.check("", CERTAINTY.parse(share))
+    if "crossable_room" in content:
+        raise ParameterError("crossable_room", f"cannot be set together with {asked}, which finds it")
+    recipe = make({**content, "crossable_by": robot})
+    for with_certainty in hooks("certainty"):
+        found: Recipe = with_certainty(recipe, certainty)
+        return found
+    raise ParameterError("crossable_by", f"{asked}: a certainty takes drives, and nothing that drives is installed")
 
 
 _START = 4096

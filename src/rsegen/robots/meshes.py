@@ -17,8 +17,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
-from rsegen.geometry.collada import MAX_MESH_MIB, Triangles, read_collada
-from rsegen.geometry.obj_corners import counted_forwards
+from rsegen.geometry.mesh_files import MAX_MESH_MIB, Triangles, counted_forwards, read_collada
 from rsegen.input_files import open_regular, read_by_library
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")

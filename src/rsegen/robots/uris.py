@@ -170,7 +170,7 @@ def found_uri(uri: str, file: Path) -> Path | None:
         candidates = _of_package(rest.lstrip("/"), file)
     elif uri and separator and scheme == "file":
         candidates = [file.absolute().parent / rest]
-    elif uri and not separator:  # beside the file, or a model, as PX4's include each other
+    elif uri and not separator:  # next to the file, or in a model, as PX4's include each other
         candidates = chain([file.absolute().parent / uri], _of_package(uri, file))
     return next(filter(os.path.exists, candidates), None)  # False for a name that is too long
 

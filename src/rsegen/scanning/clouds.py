@@ -24,8 +24,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
-from rsegen.geometry.collada import MAX_MESH_MIB, read_collada
-from rsegen.geometry.obj_corners import counted_forwards
+from rsegen.geometry.mesh_files import MAX_MESH_MIB, counted_forwards, read_collada
 from rsegen.heights.base import is_esri_grid
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
 from rsegen.heights.image_files import numbers_of, opened_image

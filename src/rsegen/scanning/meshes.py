@@ -225,12 +225,12 @@ class _View(NamedTuple):
 
     @property
     def is_thick(self) -> bool:
-        """Whether there are walls or undersides below the lowest that is seen."""
+        """True if walls or undersides are below the lowest that is seen."""
         return self.below > _THICK
 
     @property
     def lacks_floor(self) -> bool:
-        """Whether the lowest that is seen are blocks that stand on a ground that the mesh does not have."""
+        """True if the lowest that is seen are blocks on a ground that the mesh does not have."""
         return self.is_thick and not _has_floor(self.raster, self.placed, self.seen, self.bottom)
 
     def points(self) -> Array:

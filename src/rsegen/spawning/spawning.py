@@ -76,7 +76,7 @@ def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> t
 _TRIES = 10
 """Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
-_NO_SPOT = "{map} has no free spot for {robot}, which stands beside it; to put it on the map, set pose=[X, Y, YAW]"
+_NO_SPOT = "{map} has no free spot for {robot}, which is put next to it; to put it on the map, set pose=[X, Y, YAW]"
 
 _Spawnable: TypeAlias = DrivableRobot | MapModel
 

@@ -1,4 +1,4 @@
-"""What a target stands for: recipe files, one map of them, and its world.
+"""Find what a target stands for: recipe files, one map of them, and its world.
 
     path or name --recipe_files--> recipe.json of a map, of each map in a folder, an example, or a recipe file
                  --chosen_map----> one map, by its index or name, by default the first

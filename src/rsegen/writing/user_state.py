@@ -36,7 +36,7 @@ def state_file(name: str) -> Path:
 
 
 def create_private(path: Path, text: str) -> None:
-    """Write a new file in the state folder that only the user can read; an OSError if it cannot be, or is there."""
+    """Write a new file in the state folder that only the user can read; an OSError if it cannot be, or exists."""
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
         file.write(text)

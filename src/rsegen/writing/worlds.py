@@ -23,7 +23,7 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution
 from rsegen.writing.journal import read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps
-from rsegen.writing.resources import check_needs
+from rsegen.writing.resources import Step, check_needs
 from rsegen.writing.sidecars import Sidecar, are_complete
 from rsegen.writing.store import refuse_busy, refuse_taken, refuse_unit, sorted_names
 
@@ -119,18 +119,12 @@ def plan_worlds(
     beside: the names of files that `generate` puts into the folder, next to the maps
     """
     refuse_other("recipe", recipe, Recipe)
-    execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
+    execution = execution or Execution()
     refuse_busy(folder)
-    existing = existing_maps(recipe, folder, partial(are_complete, sidecars)) if keep else []
-    for sidecar in sidecars:
-        sidecar.refuse(recipe)
-    in_memory = [thing for sidecar in sidecars for thing in sidecar.in_memory]
-    at_once = check_needs([recipe], recipe.maps - len(existing), folder, things=in_memory)
-    if not keep:
-        homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
-        refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
-    for name in beside:  # which the journal will list
-        refuse_unit(folder, name, read_journal(folder), force=on_existing is not OnExisting.REFUSE)
+    keeps = on_existing is OnExisting.KEEP
+    existing = existing_maps(recipe, folder, partial(are_complete, sidecars)) if keeps else []
+    at_once = worlds_at_once(recipe, recipe.maps - len(existing), folder, sidecars)
+    refuse_names(folder, map(recipe.map_name, recipe.indices), beside, on_existing)
     known = frozenset(existing)
     return RunPlan(
         folder=folder,
@@ -141,6 +135,28 @@ def plan_worlds(
         replaces=on_existing is not OnExisting.REFUSE,
         execution=replace(execution, workers=min(execution.workers, at_once)),
     )
+
+
+def worlds_at_once(recipe: Recipe, maps: int, folder: Path, sidecars: Sequence[Sidecar], step: Step = "build") -> int:
+    """Return how many maps of a recipe fit into memory at once, with all that is made of a map up to this step.
+
+    Raises what a sidecar refuses, and TooLarge if memory or disk are too small for the maps.
+    """
+    for sidecar in sidecars:
+        sidecar.refuse(recipe)
+    return check_needs([recipe], maps, folder, step, [thing for sidecar in sidecars for thing in sidecar.in_memory])
+
+
+def refuse_names(folder: Path, maps: Iterable[str], files: Iterable[str], on_existing: OnExisting) -> None:
+    """Raise an OutputError if the name of a map, or of a file next to the maps, is taken and is not to be replaced.
+
+    Maps that a run keeps are judged by `existing_maps`; the files are made again.
+    """
+    replaces = on_existing is not OnExisting.REFUSE
+    if on_existing is not OnExisting.KEEP:
+        refuse_taken((os.path.join(folder, name) for name in maps), force=replaces)
+    for name in files:  # which the journal will list
+        refuse_unit(folder, name, read_journal(folder), force=replaces)
 
 
 def world_output(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.geometry.obj_corners import counted_forwards
+from rsegen.geometry.mesh_files import counted_forwards
 
 BACKWARDS = b"""# two faces
 v 0 0 -1

@@ -1,20 +1,28 @@
-"""Meshes in COLLADA files (.dae), which may come from anybody.
+"""Meshes in files that may come from anybody, as Gazebo reads them, where trimesh does not.
 
-Idea: a scene of COLLADA is a tree of nodes, each with transforms and instances of geometries, or of nodes of a library;
+    scene.dae --read_collada--> Triangles, in metres          mesh.obj --counted_forwards--> an OBJ file for trimesh
+
+COLLADA. Idea: a scene is a tree of nodes, each with transforms and instances of geometries, or of nodes of a library;
 every instance adds the triangles of its geometry, as Gazebo places them. Source: COLLADA 1.4.1, Khronos 2008; and
 Gazebo's ColladaLoader, which multiplies all lengths with the <unit>, and leaves <up_axis> alone. Cost: linear in the
 text and in what its instances add, which is limited, as a few lines can double themselves without end. What breaks it:
 skins of controllers, strips and fans of triangles, and splines are left out.
+
+OBJ. Idea: in `f -3 -2 -1` the corners are the last three points before this line, wherever others follow, while trimesh
+counts them from the end of the file; such files become equal ones that count forwards. Source: Wavefront, Advanced
+Visualizer, appendix B1. Cost: linear in the lines, if there are any such corners.
 """
 
 from __future__ import annotations
 
+import re
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from io import BufferedReader, BytesIO
 from math import radians
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import IO, NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -121,7 +129,7 @@ class _Scene:
 
 
 _ById = MutableMapping[tuple[str, str], Element]
-"""Elements by their tag and #id: programs give a node and its geometry one id, though none may be there twice."""
+"""Elements by their tag and #id: programs give a node and its geometry one id, though no id may occur twice."""
 
 
 def _by_id(root: Element) -> _ById:
@@ -179,3 +187,39 @@ _TRANSFORMS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     }
 )
 """Transforms of nodes, (4, 4), by their elements; each is in the frame of those before it."""
+
+
+# OBJ files.
+
+
+_BACKWARDS = re.compile(rb"^[ \t]*[flp][ \t][^\r\n#]*?(?<=[ \t/])-\d", re.MULTILINE)
+"""A line with a corner that is counted backwards."""
+
+_POINTS = (b"v", b"vt", b"vn")
+"""Words of lines with points, texture coordinates and normals, which the numbers of a corner count in this order."""
+
+
+def counted_forwards(path: Path, file: BufferedReader) -> IO[bytes]:
+    """Return a file of a mesh, mostly as it is, with corners counted from the first point, as trimesh takes them."""
+    if path.suffix.lower() != ".obj":
+        return file
+    content = file.read()
+    if not _BACKWARDS.search(content):
+        return BytesIO(content)
+    counts, lines = dict.fromkeys(_POINTS, 0), []
+    for line in content.splitlines():
+        word, *corners = line.split() or [b""]
+        if word in counts:
+            counts[word] += 1
+        is_face = word in (b"f", b"l", b"p")
+        lines.append(
+            b" ".join([word, *(_forwards(corner, [*counts.values()]) for corner in corners)]) if is_face else line
+        )
+    return BytesIO(b"\n".join(lines))
+
+
+def _forwards(corner: bytes, counts: list[int]) -> bytes:
+    """Return a corner such as -1//-1 counted forwards, given the counts of points, texture coordinates and normals."""
+    numbers = corner.split(b"/")
+    pairs = zip(numbers, counts, strict=False)
+    return b"/".join(b"%d" % (count + 1 + int(number)) if number[:1] == b"-" else number for number, count in pairs)
