@@ -18,6 +18,7 @@ from rsegen.params.capabilities import (
     CORE,
     Capability,
     Command,
+    _problem,
     all_extras,
     capabilities,
     commands,
@@ -148,13 +149,27 @@ def test_what_is_left_works_without_a_capability(name: str, tmp_path: Path) -> N
 
 
 def test_a_command_of_another_package_may_not_take_the_name_of_one_of_rsegen() -> None:
-    from rsegen.errors import PluginError
-    from rsegen.params.capabilities import _checked
-
     taken = Capability(summary="", commands=(Command("drive", "drive a robot", "", "elsewhere"),))
-    with pytest.raises(PluginError, match="the command 'drive' is taken"):
-        _checked(taken, capabilities())
-    with pytest.raises(PluginError, match="it needs 'wings', which is not here"):
-        _checked(Capability(summary="", needs=("wings",)), capabilities())
-    with pytest.raises(PluginError, match="3 is not a"):
-        _checked(3, capabilities())
+    assert _problem("other", taken, capabilities()) == "the command 'drive' is taken"
+    twice = (Command("fly", "drive a robot", "", "elsewhere"),) * 2
+    assert _problem("other", Capability(summary="", commands=twice), capabilities()) == "the command 'fly' is taken"
+
+
+@pytest.mark.parametrize(
+    ("complaint", "offered"),
+    {
+        "3 is not a rsegen.params.capabilities.Capability": 3,
+        "it needs 'wings', which is not here": Capability(summary="", needs=("wings",)),
+        "its field 'needs' is not a tuple of str": Capability(summary="", needs="pictures"),  # type: ignore[arg-type]
+        "its field 'commands' is not a tuple of Command": Capability(summary="", commands=("fly",)),  # type: ignore[arg-type]
+        "its field 'public' is a tuple": Capability(summary="", public=("fly",)),  # type: ignore[arg-type]
+        "its field 'doctor' is a NoneType": Capability(summary="", doctor=None),  # type: ignore[arg-type]
+        "is not a command": Capability(summary="", commands=(Command("--fly", "measure", "", "elsewhere"),)),
+    }.items(),
+)
+def test_what_another_package_declares_is_checked_before_it_is_used(complaint: str, offered: object) -> None:
+    assert complaint in _problem("other", offered, capabilities())
+
+
+def test_the_name_of_a_capability_may_not_be_taken() -> None:
+    assert "the capability 'pictures' is there already" in _problem("pictures", Capability(summary=""), capabilities())

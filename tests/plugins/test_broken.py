@@ -193,3 +193,78 @@ def test_levels_that_a_recipe_does_not_have_are_refused(complaint: str, monkeypa
     for make in (lambda: build(recipe), lambda: build_many(recipe, range(3))):
         with pytest.raises(PluginError, match=re.escape(complaint)):
             make()
+
+
+CAPABILITY = "from rsegen.params.capabilities import Capability, Command\nDECLARED = Capability(summary='sand', {})\n"
+
+
+def declaring(folder: Path, fields: str, sand: str = "") -> Path:
+    """A package whose capability declares these fields; its module `dunes.sand` has this source."""
+    (folder / "dunes").mkdir()
+    (folder / "dunes" / "__init__.py").write_text(CAPABILITY.format(fields))
+    (folder / "dunes" / "sand.py").write_text(sand)
+    declare(folder, "sandbox", "0.3", "[rsegen.capabilities]\nsandy = dunes:DECLARED\n")
+    return folder
+
+
+NAMED = "plug-in 'sandy' of sandbox 0.3 (dunes:DECLARED): "
+
+
+@pytest.mark.parametrize(
+    ("fields", "complaint"),
+    [
+        ("sidecars=('dunes.gone:Sand',)", "ModuleNotFoundError: No module named 'dunes.gone'"),
+        ("sidecars=('dunes.sand:Sand',)", "AttributeError: module 'dunes.sand' has no attribute 'Sand'"),
+        ("sidecars=('dunes:CAPABILITY',)", "AttributeError: module 'dunes' has no attribute 'CAPABILITY'"),
+        ("sidecars=('dunes:Command',)", "dunes:Command is not a subclass of rsegen.writing.sidecars.Sidecar"),
+        ("commands='zap'", "its field 'commands' is not a tuple of Command"),
+    ],
+)
+def test_a_broken_capability_does_not_stop_commands_of_rsegen(fields: str, complaint: str, tmp_path: Path) -> None:
+    found = run("generate", "peak", "-o", tmp_path / "worlds", packages=declaring(tmp_path, fields))
+    assert (tmp_path / "worlds" / "peak_0000" / "peak_0000.world").is_file()
+    assert found.returncode == 0
+    assert found.stderr.startswith(f"rsegen: warning: {NAMED}{complaint}")
+    assert found.stderr.endswith("; it is left out\n")
+    assert found.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("look", ["raise RuntimeError('dust')", "return 'dust'"])
+def test_doctor_goes_on_if_that_of_a_capability_fails(look: str, tmp_path: Path) -> None:
+    found = run("doctor", packages=declaring(tmp_path, "doctor='dunes.sand:look'", f"def look():\n    {look}\n"))
+    assert found.returncode == 0
+    assert "plug-in     sandbox 0.3: sandy" in found.stdout
+    assert found.stderr.startswith("rsegen: warning: plug-in dunes.sand:look: ")
+    assert "dust" in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("sand", "complaint"),
+    [
+        ("import gone", f"{NAMED}ModuleNotFoundError: No module named 'gone'"),
+        ("def add_dig_in(parser): pass", f"{NAMED}AttributeError: module 'dunes.sand' has no attribute 'run_dig_in'"),
+    ],
+)
+def test_a_command_that_cannot_be_imported_is_of_its_package(sand: str, complaint: str, tmp_path: Path) -> None:
+    declaring(tmp_path, "commands=(Command('dig-in', 'measure', 'dig', 'dunes.sand'),)", sand)
+    assert refused("dig-in", packages=tmp_path) == f"rsegen: {complaint}"
+
+
+def test_what_fails_in_a_package_is_not_reported_as_an_error_of_rsegen(tmp_path: Path) -> None:
+    sand = "def add_dig(parser): pass\ndef run_dig(arguments):\n    raise RuntimeError('dust')\n"
+    declaring(tmp_path, "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)", sand)
+    found = run("dig", packages=tmp_path)
+    assert (found.returncode, found.stderr) == (1, "rsegen: plug-in sandbox 0.3: line 3: RuntimeError: dust\n")
+
+
+def test_an_extra_of_a_package_is_installed_as_the_package_says(tmp_path: Path) -> None:
+    extra = "from rsegen.params.extras import Extra\n"
+    declaring(tmp_path, "extras=(Extra('shovel', 'shovel_of_sand', 'digging'),)")
+    (tmp_path / "dunes" / "__init__.py").write_text(extra + (tmp_path / "dunes" / "__init__.py").read_text())
+    said = done("doctor", packages=tmp_path)
+    assert "shovel_of_sand: digging\n    the manual of the plug-in that needs it says how to install it\n" in said
+    with (tmp_path / "sandbox-0.3.dist-info" / "METADATA").open("a") as metadata:
+        metadata.write("Provides-Extra: shovel\nRequires-Dist: shovels>=2; extra == 'shovel'\n")
+    said = done("doctor", packages=tmp_path)
+    assert "shovel_of_sand: digging\n" in said
+    assert "-m pip install 'shovels>=2'\n" in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
@@ -204,6 +205,34 @@ def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() ->
     server.close()
     assert said == [f"Gazebo Sim: {service} does not answer within 2 s"]
     assert not using.is_alive()
+
+
+@pytest.mark.parametrize("runs", [True, False])
+def test_a_server_is_current_only_if_it_answers_again(*, runs: bool) -> None:
+    """One that was killed has offered its services before, and does not take them back."""
+    address = {"GZ_PARTITION": f"current-{secrets.token_hex(4)}", "GZ_IP": "127.0.0.1"}
+    own = f"@/{address['GZ_PARTITION']}@/gazebo/worlds"
+    offer = {"topic": own, "address": "tcp://127.0.0.1:1", "node_uuid": "one", "srv_pub": {"socket_id": "one"}}
+    server, ended = Discovery(SERVICES, "one", address), threading.Event()
+
+    def answer() -> None:
+        while not ended.wait(0.01):
+            message = server.receive()
+            if message and message.get("sub", {}).get("topic") == own:
+                server.send(Event.ADVERTISE, pub=offer)
+
+    answering = threading.Thread(target=answer, daemon=True)
+    answering.start()
+    with transport_client(address, Patience(seconds=PATIENCE if runs else 1.0)) as client:
+        client.offers("/gazebo/worlds", Patience(seconds=PATIENCE))
+        client.attend("one")
+        if not runs:
+            ended.set()
+            answering.join()
+        assert SimWorld(client=client, name="lab", backend="sim").is_current == runs
+    ended.set()
+    answering.join()
+    server.close()
 
 
 @NEEDS_ENGINE

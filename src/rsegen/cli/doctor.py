@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rsegen import __version__
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.params.capabilities import Finding, all_extras, hooks
-from rsegen.params.plugins import entry_points
+from rsegen.params.capabilities import Finding, all_extras, hooks, left_out
+from rsegen.params.plugins import entry_points, failure
 
 
 def add_doctor(command: Parser) -> None:
@@ -25,10 +25,24 @@ def add_doctor(command: Parser) -> None:
 
 def run_doctor(_: argparse.Namespace) -> Report:
     """Look at this machine; no server is started, and what fails is a line of the result."""
-    findings = [look() for look in hooks("doctor")]
+    findings = [finding for look in hooks("doctor") if (finding := _finding(look))]
     here = _environment(findings)
     content = {**here, "missing": [{"what": what, "remedy": remedy} for what, remedy in _missing(here, findings)]}
     return Report(lines=_diagnosis(content, findings), content=content)
+
+
+def _finding(look: Callable[[], Finding]) -> Finding | None:
+    """Return what a capability finds on this machine; None, with a warning, if that of another package fails."""
+    try:
+        finding = look()
+        if not isinstance(finding, Finding):
+            raise TypeError(f"it returned {finding!r}, and no Finding")
+    except Exception as error:
+        if look.__module__.startswith("rsegen."):
+            raise
+        left_out(f"plug-in {look.__module__}:{look.__name__}: {failure(error)}")
+        return None
+    return finding
 
 
 def _environment(findings: Sequence[Finding]) -> dict[str, Any]:

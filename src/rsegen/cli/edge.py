@@ -143,12 +143,13 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
 
 def _of_plugin(error: BaseException) -> str:
     """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
-    from rsegen.params.plugins import failure, plugins
+    from rsegen.params.plugins import failure, source_of_file
 
-    sources = {plugin.module.__file__: plugin.source for plugin in plugins()}
-    files = [frame.f_code.co_filename for frame, _ in walk_tb(error.__traceback__)]
-    last = next((file for file in reversed(files) if file in sources), "")
-    return f"plug-in {sources[last]}: {failure(error, last)}" if last else ""
+    for frame, _ in reversed([*walk_tb(error.__traceback__)]):
+        file = frame.f_code.co_filename
+        if source := source_of_file(file):
+            return f"plug-in {source}: {failure(error, file)}"
+    return ""
 
 
 _ONE_STOP = 1.0

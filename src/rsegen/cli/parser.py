@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 
 from rsegen import __version__
 from rsegen.errors import did_you_mean, line_of, shown
-from rsegen.params.capabilities import commands, unknown_command
+from rsegen.params.capabilities import command_functions, commands, unknown_command
 
 Rows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
 """A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
@@ -46,9 +46,9 @@ def _rows_of(title: str) -> list[tuple[str, str]]:
 def parser_of(command: str, empty: Parser | None = None) -> Parser:
     """Return the parser of one command, or `empty` with its flags and the function that runs it; imports its module."""
     full = empty or Parser(prog=f"rsegen {command}")
-    module = import_module(commands()[command].module)
-    import_module("rsegen.cli.report").add_shared_flags(full, getattr(module, f"add_{command}"))
-    full.set_defaults(run=getattr(module, f"run_{command}"))
+    add, run = command_functions(command)
+    import_module("rsegen.cli.report").add_shared_flags(full, add)
+    full.set_defaults(run=run)
     return full
 
 

@@ -16,17 +16,20 @@ somebody else declares itself by the same means, through an entry point of the g
 
 from __future__ import annotations
 
+import re
 import warnings
-from collections.abc import Collection, Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
 from rsegen.params.extras import Extra
-from rsegen.params.plugins import EntryPoint, entry_points
+from rsegen.params.plugins import entry_points, failure
+
+_Imported = TypeVar("_Imported")
 
 CORE = ("params", "field", "geometry", "obstacles", "recipe", "scene", "gazebo", "writing", "cli")
 """Folders of the core, each of which may import those to its left. All other folders are capabilities."""
@@ -131,32 +134,56 @@ def capabilities() -> Mapping[str, Capability]:
     """Return all capabilities by name, those of other packages too."""
     by_name = dict(own_capabilities())
     for offer in entry_points("rsegen.capabilities"):
-        if capability := _loaded(offer, by_name):
-            by_name.setdefault(offer.name, capability)
+        try:
+            offered = offer.load()
+            if problem := _problem(offer.name, offered, by_name):
+                raise PluginError(f"{offer}: {problem}")
+            by_name[offer.name] = offered
+        except PluginError as error:
+            left_out(str(error))
     return MappingProxyType(by_name)
 
 
-def _loaded(offer: EntryPoint, known: Mapping[str, Capability]) -> Capability | None:
-    """Return the capability of another package; None, with a warning, if it cannot be added to those that are known."""
-    try:
-        return _checked(offer.load(), known)
-    except PluginError as error:
-        warnings.warn(f"{offer}: {error}; it is left out", PluginWarning, stacklevel=1)
-        return None
+def left_out(problem: str) -> None:
+    """Warn of a plug-in that cannot be used, by a text that names it, and is not."""
+    warnings.warn(f"{problem}; it is left out", PluginWarning, stacklevel=2)
 
 
-def _checked(offered: object, known: Mapping[str, Capability]) -> Capability:
-    """Return what a package offers if it is a capability that can be added; else raise a PluginError."""
+_SEVERAL = {"needs": str, "commands": Command, "extras": Extra, "sidecars": str, "calls": str}
+"""Types of the elements of the fields that are tuples."""
+
+
+def _problem(name: str, offered: object, known: Mapping[str, Capability]) -> str:
+    """Return why what a package offers cannot be added to known capabilities; an empty text if it can."""
     if not isinstance(offered, Capability):
-        raise PluginError(f"{offered!r} is not a rsegen.params.capabilities.Capability")
+        return f"{offered!r} is not a rsegen.params.capabilities.Capability"
+    for field, declared in offered._asdict().items():
+        sort, default = _SEVERAL.get(field), Capability._field_defaults.get(field, "")
+        if sort and not (isinstance(declared, tuple) and all(isinstance(each, sort) for each in declared)):
+            return f"its field {field!r} is not a tuple of {sort.__name__}"
+        if not isinstance(declared, Mapping if isinstance(default, Mapping) else type(default)):
+            return f"its field {field!r} is a {type(declared).__name__}"
+    if name in known:
+        return f"the capability {name!r} is there already; its entry point needs another name"
+    if missing := next((need for need in offered.needs if need not in known), ""):
+        return f"it needs {missing!r}, which is not here"
+    return _problem_of_commands(offered.commands, known)
+
+
+def _problem_of_commands(offered: tuple[Command, ...], known: Mapping[str, Capability]) -> str:
+    """Return why commands cannot be added to those of known capabilities; an empty text if they can."""
     taken = {command.name for capability in known.values() for command in capability.commands}
-    for command in offered.commands:
+    for command in offered:
+        if not all(isinstance(text, str) for text in command[:6]) or not _COMMAND.fullmatch(command.name):
+            return f"{command} is not a command; its name has small letters, digits, - and _, and the rest is text"
         if command.name in taken:
-            raise PluginError(f"the command {command.name!r} is taken")
-    for need in offered.needs:
-        if need not in known:
-            raise PluginError(f"it needs {need!r}, which is not here")
-    return offered
+            return f"the command {command.name!r} is taken"
+        taken.add(command.name)
+    return ""
+
+
+_COMMAND = re.compile(r"[a-z][a-z0-9_-]*")
+"""The names of commands."""
 
 
 @cache
@@ -165,6 +192,18 @@ def commands() -> Mapping[str, Command]:
     every = [command for capability in capabilities().values() for command in capability.commands]
     groups = [*GROUPS, *(command.group for command in every if command.group not in GROUPS)]
     return MappingProxyType({command.name: command for group in groups for command in every if command.group == group})
+
+
+def command_functions(name: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the function that adds the flags of a command, and the one that runs it; imports its module.
+
+    PluginError if it is the command of another package that has none.
+    """
+    module, written = commands()[name].module, name.replace("-", "_")
+    return _of_package(
+        next(known for known, capability in capabilities().items() if commands()[name] in capability.commands),
+        lambda: (_imported(f"{module}:add_{written}"), _imported(f"{module}:run_{written}")),
+    )
 
 
 def unknown_command(name: str, known: Collection[str] | None = None) -> UnknownName:
@@ -209,11 +248,39 @@ def all_extras() -> Mapping[str, Extra]:
     return MappingProxyType(dict(sorted(joined.items())))
 
 
-def hooks(name: str) -> Iterator[Any]:
-    """Yield what the capabilities declare under a field, such as `targets`, each imported when it is reached."""
-    for capability in capabilities().values():
+def hooks(name: str, problem: Callable[[Any], str] = lambda hook: "") -> Iterator[Any]:
+    """Yield what the capabilities declare under a field, such as `targets`, each imported when it is reached.
+
+    What another package declares and does not have is left out with a warning, and so is what has a problem.
+    """
+    for known, capability in capabilities().items():
         names = getattr(capability, name)
         for place in (names,) if isinstance(names, str) else names:
             if place:
-                module, _, attribute = place.partition(":")
-                yield getattr(import_module(module), attribute) if attribute else import_module(module)
+                try:
+                    hook = _of_package(known, partial(_imported, place, problem))
+                except PluginError as error:
+                    left_out(str(error))
+                    continue
+                yield hook
+
+
+def _imported(place: str, problem: Callable[[Any], str] = lambda found: "") -> Any:
+    """Return what stands at a place, as `module` or `module:name`; PluginError if it has a problem."""
+    module, _, attribute = place.partition(":")
+    found = getattr(import_module(module), attribute) if attribute else import_module(module)
+    if text := problem(found):
+        raise PluginError(f"{place} {text}")
+    return found
+
+
+def _of_package(capability: str, imported: Callable[[], _Imported]) -> _Imported:
+    """Return what is imported for a capability; PluginError, which names the package, if that of another one fails."""
+    try:
+        return imported()
+    except Exception as error:
+        if capability in own_capabilities():
+            raise
+        offer = next(offer for offer in entry_points("rsegen.capabilities") if offer.name == capability)
+        what = str(error) if isinstance(error, PluginError) else failure(error)
+        raise PluginError(f"{offer}: {what}") from None

@@ -39,15 +39,15 @@ CLUSTER = Extra("cluster", "distributed", "--scheduler: many maps made on a Dask
 """The extra of the core; those of capabilities stand in their declarations."""
 
 
-def requirements() -> dict[str, list[str]]:
-    """Return what rsegen needs, as pip takes it, by its extras; what it always needs by an empty name.
+def requirements(package: str = "rsegen") -> dict[str, list[str]]:
+    """Return what a package needs, as pip takes it, by its extras; what it always needs by an empty name.
 
-    Empty if rsegen was not installed, and runs from its folder.
+    Empty if it was not installed, as rsegen if it runs from its folder.
     """
     from importlib.metadata import PackageNotFoundError, requires
 
     try:
-        lines = requires("rsegen") or []
+        lines = requires(package) or []
     except PackageNotFoundError:
         return {}
     needed: dict[str, list[str]] = {}
@@ -63,12 +63,18 @@ def pip_install(extras: Iterable[str]) -> str:
     """Return the command that installs the libraries of extras for the Python that runs this.
 
     It names the libraries, not `rsegen[mesh]`: for that pip would look for rsegen in an index. rsegen may come from a
-    folder or an archive, and a package of its name in an index may be somebody else's.
+    folder or an archive, and a package of its name in an index may be somebody else's. The extras of plug-ins are those
+    of their packages; of one that none has, no command is known.
     """
-    needed = requirements()
-    wanted = [requirement for extra in extras for requirement in needed.get(extra, [])] or [
-        f"{Path(__file__).parents[3]}[{','.join(extras)}]"  # not installed: the folder that it runs from
-    ]
+    from rsegen.params.plugins import entry_points
+
+    extras, needed = list(extras), requirements()
+    for package in dict.fromkeys(offer.source.name for offer in entry_points()):
+        needed |= {extra: lines for extra, lines in requirements(package).items() if extra not in needed}
+    wanted = [requirement for extra in extras for requirement in needed.get(extra, [])]
+    if not wanted and requirements():
+        return "the manual of the plug-in that needs it says how to install it"
+    wanted = wanted or [f"{Path(__file__).parents[3]}[{','.join(extras)}]"]  # not installed: where it runs from
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(wanted))}"
 
 

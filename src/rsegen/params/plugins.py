@@ -165,6 +165,19 @@ def plugins() -> tuple[Plugin, ...]:
     return tuple(_LOADED.values())
 
 
+def source_of_file(file: str) -> Source | None:
+    """Return the plug-in that a file of Python code belongs to, which may be a module of its package; None if none."""
+    for plugin in plugins():
+        if plugin.module.__file__ == file:
+            return plugin.source
+    for offer in entry_points():
+        top = offer.value.partition(":")[0].partition(".")[0].strip()
+        path = getattr(sys.modules.get(top), "__file__", None) or ""
+        if file == path or (Path(path).stem == "__init__" and Path(path).parent in Path(file).parents):
+            return offer.source
+    return None
+
+
 def failure(error: BaseException, file: str = "") -> str:
     """Describe an error in somebody's module: the line of the file, the error's name and its first line."""
     run = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]

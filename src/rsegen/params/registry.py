@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,8 +21,8 @@ from threading import RLock
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-from rsegen.errors import PluginError, PluginWarning, UnknownName
-from rsegen.params.capabilities import offered_modules
+from rsegen.errors import PluginError, UnknownName
+from rsegen.params.capabilities import left_out, offered_modules
 from rsegen.params.plugins import EntryPoint, Plugin, Source, entry_points, failure, plugins
 from rsegen.params.sorts import parameters
 
@@ -219,7 +218,7 @@ class Registry(Mapping[str, Thing]):
         try:
             self._take(offer)
         except PluginError as error:
-            warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
+            left_out(str(error))
 
     def _import_all_own(self) -> None:
         if self._own_imported:

@@ -261,8 +261,12 @@ class SimWorld(LiveWorld):
 
     @property
     def is_current(self) -> bool:
-        """Return whether the server sends heartbeats, and nobody else offers its world's services."""
+        """Return whether the server answers, and nobody else offers its world's services.
+
+        A server that was killed says nothing of its end: what it has offered before proves nothing.
+        """
         with suppress(SimulatorFailed):
+            self.client.wait_for_answer(WORLDS)
             return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
         return False
 

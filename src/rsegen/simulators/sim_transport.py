@@ -274,6 +274,17 @@ class TransportClient(Inbox):
                 self.wait("", lambda: bool(self._services.get(full)), Patience(seconds=_ASK_AGAIN))
         return list(self._services[full].values())
 
+    def wait_for_answer(self, service: str) -> None:
+        """Ask the attended program whether it offers a service; SimulatorFailed if it does not answer."""
+        wait, offers = self.patience.begin(), self._services.setdefault(self.full_name(service), {})
+        self.update(lambda: offers.pop(self._attended, None))
+        while self._attended not in offers:
+            if wait.is_over or not self.is_connected:
+                raise SimulatorFailed(f"Gazebo Sim: the server does not answer for {service}")
+            self._ask(self._offers, self.full_name(service))
+            with suppress(SimulatorFailed):
+                self.wait("", lambda: self._attended in offers, Patience(seconds=_ASK_AGAIN))
+
     def all_offers(self, service: str) -> list[Message]:
         """Return the publications of all programs that offer a service and answer within a moment after the first."""
         self._ask(self._offers, self.full_name(service))

@@ -15,12 +15,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from rsegen.errors import PluginError
 from rsegen.params.capabilities import hooks
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from rsegen.cli.parser import Rows
     from rsegen.gazebo import Bundle
-    from rsegen.recipe.recipe import Recipe
     from rsegen.scene.scene import Scene
     from rsegen.writing.resources import InMemory
 
@@ -76,7 +78,16 @@ class Sidecar(ABC):
 @cache
 def sidecar_kinds() -> tuple[type[Sidecar], ...]:
     """Return the kinds of sidecars that capabilities bring."""
-    return tuple(hooks("sidecars"))
+    return tuple(hooks("sidecars", _problem))
+
+
+def _problem(kind: object) -> str:
+    """Return why something is no kind of sidecar; an empty text if it is one."""
+    if not (isinstance(kind, type) and issubclass(kind, Sidecar)) or inspect.isabstract(kind):
+        return "is not a subclass of rsegen.writing.sidecars.Sidecar with all its methods"
+    if not str(getattr(kind, "name", "")).isidentifier() or not hasattr(kind, "parameter"):
+        return "has no name or no parameter"
+    return f"has the name of a parameter of recipes: {kind.name}" if kind.name in parameters(Recipe) else ""
 
 
 def chosen_sidecars(values: Mapping[str, Any]) -> tuple[Sidecar, ...]:
@@ -94,6 +105,10 @@ def with_sidecars(function: F) -> F:
     """Give a command a declared parameter for every kind of sidecar, in place of `**sidecars` in its signature."""
     shape = inspect.signature(function)
     own = [each for each in shape.parameters.values() if each.kind is not inspect.Parameter.VAR_KEYWORD]
+    for kind in sidecar_kinds():
+        if kind.name in shape.parameters:
+            place = f"{kind.__module__}:{kind.__name__}"
+            raise PluginError(f"plug-in {place}: {kind.name!r} is a parameter of rsegen already; rename it")
     added = [
         inspect.Parameter(kind.name, inspect.Parameter.KEYWORD_ONLY, default=kind.default, annotation=kind.parameter)
         for kind in sidecar_kinds()
