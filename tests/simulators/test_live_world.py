@@ -258,7 +258,22 @@ def test_without_a_running_simulation_it_is_refused_in_one_line(
     assert said in line
 
 
-def test_an_invalid_address_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setenv("GAZEBO_MASTER_URI", "localhost")
-    assert main(["remove", "burger", "--simulator", "classic"]) == 2
-    assert "GAZEBO_MASTER_URI: 'localhost' is not a host and a port" in the_line(capsys.readouterr().err)
+@pytest.mark.parametrize(
+    ("simulator", "variable", "value", "problem"),
+    [
+        ("classic", "GAZEBO_MASTER_URI", "localhost", "is not a host and a port"),
+        ("classic", "GAZEBO_MASTER_URI", "http://127.0.0.1:99999", "is not a host and a port"),
+        ("sim", "GZ_DISCOVERY_MULTICAST_IP", "nonsense", "is not an address, as in 239.255.0.7"),
+    ],
+)
+def test_an_invalid_address_is_refused(  # two fixtures
+    simulator: str,
+    variable: str,
+    value: str,
+    problem: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv(variable, value)
+    assert main(["remove", "burger", "--simulator", simulator]) == 2
+    assert f"{variable}: '{value}' {problem}" in the_line(capsys.readouterr().err)

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.robots.lookup import robot_of_kind
+from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.poses import Pose
-from rsegen.spawning.spawning import _given_or_next
+from rsegen.spawning.placement import SpawnedMap
+from rsegen.spawning.spawning import _given_or_next, spawn_map
 from tests.simulators.transport import connected_to
 
 COURSE = rsegen.Recipe(name="course", seed=1, chunk_size=4, maps=3)
@@ -137,3 +139,27 @@ def test_a_robot_for_which_a_map_has_no_spot_stands_beside_it_and_that_is_said(s
     )
     even = rsegen.spawn(replace(COURSE, name="even", chunk_size=10), robot="burger", simulator="sim")
     assert (even.on, len(even.notes)) == ("even_0000", 1)
+
+
+class Interrupted:
+    """A world in which Ctrl-C comes when it has been ordered to pause, before it says that it has."""
+
+    paused = False
+
+    def clock(self) -> Clock:
+        return Clock(simulated=0.0, real=0.0, steps=0, paused=self.paused)
+
+    def pause(self) -> None:
+        self.paused = True
+        raise KeyboardInterrupt
+
+    def unpause(self) -> None:
+        self.paused = False
+
+
+def test_ctrl_c_while_a_map_is_spawned_leaves_the_world_running() -> None:
+    field = rsegen.build(rsegen.Recipe(seed=1))
+    live = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        spawn_map(cast("LiveWorld", live), "", SpawnedMap(name="map", field=field, at=Pose(x=0, y=0, z=0)))
+    assert not live.paused

@@ -128,7 +128,7 @@ class GazeboClassic(Simulator):
         """Connect through its own transport, so it may run on another machine, and need not be installed here."""
         master = environment.get("GAZEBO_MASTER_URI") or MASTER
         parts = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
-        if not parts:
+        if not parts or int(parts[2]) >= 2**16:
             raise ParameterError("GAZEBO_MASTER_URI", f"{shown(master)} is not a host and a port, as in {MASTER}")
         return classic_world((parts[1], int(parts[2])), patience)
 

@@ -36,7 +36,7 @@ from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
-from rsegen.errors import NoMessage, SimulatorFailed, system_reason
+from rsegen.errors import NoMessage, ParameterError, SimulatorFailed, shown, system_reason
 from rsegen.simulators.inbox import Inbox
 from rsegen.simulators.patience import Patience, Wait, share
 from rsegen.simulators.wire import SIM, Message
@@ -110,6 +110,11 @@ class Discovery:
     def __init__(self, sort: str, process: str, environment: Mapping[str, str]) -> None:
         self._process = process
         self._group = _variable(environment, "DISCOVERY_MULTICAST_IP") or _GROUP
+        try:
+            socket.inet_aton(self._group)
+        except OSError:
+            problem = f"{shown(self._group)} is not an address, as in {_GROUP}"
+            raise ParameterError("GZ_DISCOVERY_MULTICAST_IP", problem) from None
         port = _variable(environment, f"DISCOVERY_{sort}_PORT")
         self._port = int(port) if re.fullmatch("[0-9]{1,5}", port) and int(port) < 2**16 else _PORTS[sort]
         self._relays = [relay for relay in _variable(environment, "RELAY").split(":") if relay]
@@ -224,10 +229,11 @@ class TransportClient(Inbox):
         self._heard: set[str] = set()
         self._attended, self._silent_beats = "", 0.0
         self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
-        self._wake, self._woken = socket.socketpair()
-        self._wake.settimeout(0)
+        # Before all other sockets, as these may fail by the user's variables.
         self._topics = Discovery(TOPICS, self._process, environment)
         self._offers = Discovery(SERVICES, self._process, environment)
+        self._wake, self._woken = socket.socketpair()
+        self._wake.settimeout(0)
         self._sockets = Sockets(interfaces(environment)[0], self._process)
         self._closing = False
         self._thread = threading.Thread(target=self._run, daemon=True)

@@ -46,9 +46,9 @@ from rsegen.writing.target_worlds import Target, path_of, recipe_files
 def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
     """Spawn a map and delete the old one, if given, while the world is paused; gives the models put on top of it."""
     was_paused = live.clock().paused
-    if not was_paused:
-        live.pause()
     try:
+        if not was_paused:  # inside, as Ctrl-C may come between the order to pause and its report
+            live.pause()
         live.spawn(sdf, new.at)
         moved = _raise_models(live, new, old)
         if old:
