@@ -150,11 +150,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a sheet of two tables": (
         ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
-        ["--csv: t.csv beside s.csv", "-o one in .pdf"],
+        ["--csv: t.csv with -o s.csv", "-o one in .pdf"],
     ),
     "a sheet whose table is no table": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "t.pdf"],
-        ["--csv: t.pdf beside s.pdf"],
+        ["--csv: t.pdf with -o s.pdf"],
     ),
     "a sheet in a file": (["sheet", "two.yaml", "-o", "file/s.pdf"], ["file/s.pdf: cannot be written"]),
     "a sheet of a map beyond": (["sheet", "two.yaml", "-o", "s.pdf", "--map", "2"], ["--map", "rse_0001"]),
