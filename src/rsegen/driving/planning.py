@@ -108,7 +108,8 @@ def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
         way = planner.way(0, checked=False)  # drives check it
         if way is None:
             break
-        one = tried.setdefault(way.points.tobytes(), _Tried(run=_run(scene, robot, way)))
+        key = way.points.tobytes()
+        tried[key] = one = tried.get(key) or _Tried(run=_run(scene, robot, way))
         if one.found and (one.failures >= _FAILURES or one.found.next_drive >= predictor.drives):
             if not one.failures:
                 break

@@ -278,9 +278,8 @@ class Registry(Mapping[str, Thing]):
 
 
 def is_own(plugin: object) -> bool:
-    """Return whether what is registered, a class or a value, is rsegen's own and of no plug-in."""
-    cls = plugin if isinstance(plugin, type) else type(plugin)
-    return cls.__module__.startswith("rsegen.")
+    """Return whether a class, a function or a value is rsegen's own and of no plug-in."""
+    return str(getattr(plugin, "__module__", "")).startswith("rsegen.")
 
 
 def offered_names(package: str, group: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""What drives have shown of the places of a lattice: where a robot got on, and where it was held.
+"""Evidence of drives about the places of a lattice: where a robot got on, and where it was held.
 
     o---o---o---x   o---o---o        a drive got on over three moves and was held at x: the next way keeps those three
     |passed |held   |unknown|        rather than ground that nobody has tried, and leads around x
@@ -19,10 +19,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.field.stepfield import Array, Ints
 
 MOVE, IN, OUT = range(3)
-"""What a robot gets over: a move on from a place, the lane onto the map that leads there, or that from there off it."""
+"""Parts of a way: a move on from a place, the lane onto the map that leads there, and that from there off it."""
 
 _HAZARD = 0.3
 """Hazard h of ground that nobody has tried, per weighted metre. Of 120 drives along the first ways over 40 maps of
@@ -34,7 +34,7 @@ _WEIGHT = 0.5
 
 
 class Evidence:
-    """How often drives got over the moves of a lattice, and were held there.
+    """Numbers of drives that got over the moves of a lattice, and of those that were held there.
 
     passed, held: (3, n_x, n_y, 8), for moves on from places and for lanes onto the map and off it
     """
@@ -42,9 +42,13 @@ class Evidence:
     def __init__(self, shape: tuple[int, ...]) -> None:
         self.passed, self.held = np.zeros((2, 3, *shape))
 
-    def metres(self, part: int, places: Ints | Mask | slice, weighted: Array) -> Array:
+    def counts(self, part: int, places: Ints | slice) -> tuple[Array, Array]:
+        """Return how many drives passed, and how many were held, on a part of ways at some places."""
+        return self.passed[part].ravel()[places], self.held[part].ravel()[places]
+
+    def metres(self, part: int, places: Ints | slice, weighted: Array) -> Array:
         """Return the metres as which moves or lanes count; weighted: theirs as poses know them, by the places."""
-        passed, held = (seen[part].ravel()[places] for seen in (self.passed, self.held))
+        passed, held = self.counts(part, places)
         got_on = _WEIGHT * np.exp(-_HAZARD * weighted) + passed
         return np.asarray((np.log(_WEIGHT + passed + held) - np.log(got_on)) / _HAZARD)
 

@@ -220,7 +220,7 @@ class Lattice:
         if self.evidence is None:
             return length
         if self.best in ("tilt", "margin"):
-            held, passed = (seen[part].ravel()[places] for seen in (self.evidence.held, self.evidence.passed))
+            passed, held = self.evidence.counts(part, places)
             return np.where(held > passed, np.inf, length)
         risk = 1 + _RISK * worst if self.best == "safe" else 1.0
         return self.evidence.metres(part, places, length * risk) / risk

@@ -42,12 +42,8 @@ from rsegen.standing.ways import DrivenWay, Way, no_way, straight_way, worst_of
 _CHECKED = 64
 """Ways whose straight pieces are driven as a whole, before there is said to be none."""
 
-
-_SHORT = 1e-12
-"""Squared length, m^2, of a piece of a way that is a point."""
-
 _HELD_TOO = {-1: 0.5, 0: 1.0, 1: 0.5}
-"""How much a place holds a robot that comes to it turned by so many headings."""
+"""Share in which a place holds a robot that comes to it turned by so many headings."""
 
 _TURN_POSES = 7
 """Poses of a turn by 45 degrees that are shown."""
@@ -108,14 +104,15 @@ class Planner:
         The robot is held as well by moves whose middle is less than a block away, half as much by those that are turned
         by 45 degrees.
 
-        way: (n, 2), its points; end: where the robot was held, None if it crossed, metres
+        way: (n, 2), its points, each apart from the one before
+        end: where the robot was held, None if it crossed, metres
         held: drives as which that counts; infinite to close the place
         """
         evidence = self.lattice.evidence = self.lattice.evidence or Evidence(self.lattice.moves.shape)
         begins, along = way[:-1], np.diff(way, axis=0)
         reached, at = len(along), np.zeros(2)
         if end is not None:
-            share = ((end - begins) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), _SHORT)
+            share = ((end - begins) * along).sum(axis=1) / (along**2).sum(axis=1)
             nearest = begins + np.clip(share, 0, 1)[:, None] * along
             reached = int(np.hypot(*(nearest - end).T).argmin())
             at = nearest[reached]
@@ -127,23 +124,22 @@ class Planner:
         if np.isfinite(held):
             evidence.passed[parts[:reached], i[:reached], j[:reached], k[:reached]] += 1
         if end is not None:
-            self._held_at(at, int(k[reached]), held)
+            self._add_held(evidence.held, at, int(k[reached]), held)
 
-    def _held_at(self, at: Array, heading: int, held: float) -> None:
-        """Let moves past a place hold the robot, and the lanes at both ends that are on its line."""
-        assert self.lattice.evidence is not None  # noqa: S101  # `learn` made it
+    def _add_held(self, counts: Array, at: Array, heading: int, held: float) -> None:
+        """Add drives that were held at a place to the counts of moves past it, and of lanes in and out on its line."""
         width = self.field.block_width
         for turned, share in _HELD_TOO.items():
             k = (heading + turned) % HEADINGS
             x, y = self.lattice.x + MOVES[k, 0] * width / 2, self.lattice.y + MOVES[k, 1] * width / 2
             near = np.hypot(x[:, None] - at[0], y - at[1]) < width
-            self.lattice.evidence.held[MOVE, near, k] += share * held
+            counts[MOVE, near, k] += share * held
         for axis, (*starts, length, _, _) in self._lanes_at_ends.items():
             if heading == 2 * axis:
                 parts, i, j = self._places_at_ends(axis)
                 along, aside = at[axis] - starts[axis], at[1 - axis] - starts[1 - axis]
                 on = (along >= 0) & (along <= length) & (np.abs(aside) < width / 2)
-                self.lattice.evidence.held[parts[on], i[on], j[on], heading] += held
+                counts[parts[on], i[on], j[on], heading] += held
 
     def _driven_pieces(self, line: Array, heading: Ints, *, checked: bool) -> Lanes | list[int]:
         """Return the lanes of the straight pieces of a way, or on which lanes from place to place it ends.
