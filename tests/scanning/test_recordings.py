@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -136,7 +137,9 @@ def objects(path: Path) -> None:
 
 def collada(path: Path, unit: str = "1", scale: float = 1.0) -> None:
     """A COLLADA file of pycollada, whose numbers are in a unit of its own."""
-    content = slab(0.02).apply_scale(scale).export(file_type="dae").decode()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # pycollada's, by numpy 2.5
+        content = slab(0.02).apply_scale(scale).export(file_type="dae").decode()
     assert content.count("<asset>") == 1
     path.write_text(re.sub(r"<unit [^>]*>", "", content).replace("<asset>", f'<asset><unit meter="{unit}"/>'))
 

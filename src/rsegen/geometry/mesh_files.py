@@ -1,6 +1,6 @@
 """Meshes in files that may come from anybody, as Gazebo reads them, where trimesh does not.
 
-    scene.dae --read_collada--> Triangles, in metres          mesh.obj --counted_forwards--> an OBJ file for trimesh
+    scene.dae --read_collada--> Triangles, in metres          mesh.obj, others --loaded_by_trimesh--> what trimesh has
 
 COLLADA. Idea: a scene is a tree of nodes, each with transforms and instances of geometries, or of nodes of a library;
 every instance adds the triangles of its geometry, as Gazebo places them. Source: COLLADA 1.4.1, Khronos 2008; and
@@ -11,10 +11,14 @@ skins of controllers, strips and fans of triangles, and splines are left out.
 OBJ. Idea: in `f -3 -2 -1` the corners are the last three points before this line, wherever others follow, while trimesh
 counts them from the end of the file; such files become equal ones that count forwards. Source: Wavefront, Advanced
 Visualizer, appendix B1. Cost: linear in the lines, if there are any such corners.
+
+Text. Names and comments of other languages may be in Latin-1, as Windows wrote them, and trimesh takes UTF-8 alone, or
+guesses by a library that few have. Text that is no UTF-8 becomes it; nothing that counts has such letters.
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
@@ -22,7 +26,7 @@ from io import BufferedReader, BytesIO
 from math import radians
 from pathlib import Path
 from types import MappingProxyType
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -199,13 +203,10 @@ _POINTS = (b"v", b"vt", b"vn")
 """Words of lines with points, texture coordinates and normals, which the numbers of a corner count in this order."""
 
 
-def counted_forwards(path: Path, file: BufferedReader) -> IO[bytes]:
-    """Return a file of a mesh, mostly as it is, with corners counted from the first point, as trimesh takes them."""
-    if path.suffix.lower() != ".obj":
-        return file
-    content = file.read()
+def _counted_forwards(content: bytes) -> bytes:
+    """Return the content of an OBJ file with corners counted from the first point."""
     if not _BACKWARDS.search(content):
-        return BytesIO(content)
+        return content
     counts, lines = dict.fromkeys(_POINTS, 0), []
     for line in content.splitlines():
         word, *corners = line.split() or [b""]
@@ -215,7 +216,7 @@ def counted_forwards(path: Path, file: BufferedReader) -> IO[bytes]:
         lines.append(
             b" ".join([word, *(_forwards(corner, [*counts.values()]) for corner in corners)]) if is_face else line
         )
-    return BytesIO(b"\n".join(lines))
+    return b"\n".join(lines)
 
 
 def _forwards(corner: bytes, counts: list[int]) -> bytes:
@@ -223,3 +224,63 @@ def _forwards(corner: bytes, counts: list[int]) -> bytes:
     numbers = corner.split(b"/")
     pairs = zip(numbers, counts, strict=False)
     return b"/".join(b"%d" % (count + 1 + int(number)) if number[:1] == b"-" else number for number, count in pairs)
+
+
+# What trimesh reads.
+
+
+_STL_HEADER = 84
+"""Bytes before the faces of a binary STL file, the last four of which are their number."""
+
+STL_FACE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+"""A face of a binary STL file."""
+
+_LONGEST_PLY_HEADER = 1 << 16
+"""Bytes in which the header of a PLY file ends, which is text."""
+
+
+def binary_faces(file: IO[bytes]) -> int | None:
+    """Return the number of faces that follow in an open STL file; None of one that is not binary, or is cut."""
+    count = int.from_bytes(file.read(_STL_HEADER)[-4:], "little")
+    return count if os.fstat(file.fileno()).st_size == _STL_HEADER + count * STL_FACE.itemsize else None
+
+
+def loaded_by_trimesh(path: Path, file: BufferedReader, **options: Any) -> Any:
+    """Return what trimesh makes of an open file, and of those beside it that it names; ImportError without trimesh.
+
+    options: of trimesh.load
+    """
+    import trimesh
+
+    form, beside = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
+    try:
+        return trimesh.load(_for_trimesh(form, file), file_type=form, resolver=beside, **options)
+    except ImportError as error:  # of what only files need that are broken, or in a way that few are
+        raise ValueError(f"trimesh would need {error.name} for it") from None
+
+
+def _for_trimesh(form: str, file: BufferedReader) -> IO[bytes]:
+    """Return an open file as it is, or as trimesh takes it."""
+    if form == "gltf":
+        return BytesIO(_in_utf8(file.read()))
+    if form == "obj":
+        return BytesIO(_counted_forwards(_in_utf8(file.read())))
+    if form == "stl":
+        is_binary = binary_faces(file) is not None
+        file.seek(0)
+        return file if is_binary else BytesIO(_in_utf8(file.read()))
+    if form == "ply":
+        header, end, _ = file.read(_LONGEST_PLY_HEADER).partition(b"end_header")
+        is_text = not end or _in_utf8(header) == header
+        file.seek(0 if is_text else len(header))
+        return file if is_text else BytesIO(_in_utf8(header) + file.read())
+    return file
+
+
+def _in_utf8(text: bytes) -> bytes:
+    """Return a text in UTF-8 as it is, and any other as if it were Latin-1."""
+    try:
+        text.decode()
+    except UnicodeDecodeError:
+        return text.decode("latin-1").encode()
+    return text

@@ -17,7 +17,14 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
-from rsegen.geometry.mesh_files import MAX_MESH_MIB, Triangles, counted_forwards, read_collada
+from rsegen.geometry.mesh_files import (
+    MAX_MESH_MIB,
+    STL_FACE,
+    Triangles,
+    binary_faces,
+    loaded_by_trimesh,
+    read_collada,
+)
 from rsegen.input_files import open_regular, read_by_library
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")
@@ -61,8 +68,7 @@ def read_mesh(path: Path) -> Triangles:
                 mesh: Any = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
             else:
                 refuse_large(path, os.fstat(file.fileno()).st_size)
-                form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-                mesh = trimesh.load(counted_forwards(path, file), file_type=form, resolver=resolver, force="mesh")
+                mesh = loaded_by_trimesh(path, file, force="mesh")
         if not len(mesh.faces):
             raise FileError(f"{path}: has no triangles")
         return Triangles(np.asarray(mesh.vertices), np.asarray(mesh.faces))
@@ -175,9 +181,6 @@ def bounds(points: Array) -> tuple[Array, Array]:
 _MAX_STL_MIB = 256
 """The largest binary STL file that is read, MiB: 5 million faces."""
 
-_HEADER, _FACE = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
-"""Bytes before the faces of a binary STL file, the last four of which are their number; and a face."""
-
 
 def _of_binary_stl(path: Path, file: IO[bytes]) -> Array | None:
     """Return the corners of the triangles of an open STL file, (n, 3, 3); None of one that is not binary."""
@@ -186,10 +189,4 @@ def _of_binary_stl(path: Path, file: IO[bytes]) -> Array | None:
     if binary_faces(file) is None:
         file.seek(0)
         return None
-    return np.frombuffer(file.read(), _FACE)["corners"]
-
-
-def binary_faces(file: IO[bytes]) -> int | None:
-    """Return the number of faces that follow in an open STL file; None of one that is not binary, or is cut."""
-    count = int.from_bytes(file.read(_HEADER)[-4:], "little")
-    return count if os.fstat(file.fileno()).st_size == _HEADER + count * _FACE.itemsize else None
+    return np.frombuffer(file.read(), STL_FACE)["corners"]

@@ -18,10 +18,10 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.geometry.mesh_files import Triangles
+from rsegen.geometry.mesh_files import Triangles, binary_faces
 from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import SUFFIXES, binary_faces, inline_uri, refuse_large
+from rsegen.robots.meshes import SUFFIXES, inline_uri, refuse_large
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""

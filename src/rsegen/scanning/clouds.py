@@ -24,7 +24,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.field.stepfield import Array
-from rsegen.geometry.mesh_files import MAX_MESH_MIB, counted_forwards, read_collada
+from rsegen.geometry.mesh_files import MAX_MESH_MIB, loaded_by_trimesh, read_collada
 from rsegen.heights.base import is_esri_grid
 from rsegen.heights.coordinate_system import CoordinateSystem, of_keys, of_wkt, refuse_distorted
 from rsegen.heights.image_files import numbers_of, opened_image
@@ -305,9 +305,7 @@ def _mesh(path: Path) -> tuple[Array | trimesh.Trimesh, str]:
         if path.suffix.lower() == ".dae":  # in metres, whatever its unit is
             return trimesh.Trimesh(*read_collada(path), process=False)
         with open_regular(path) as file:
-            beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
-            form = path.suffix[1:].lower()
-            loaded = trimesh.load(counted_forwards(path, file), file_type=form, resolver=beside)
+            loaded = loaded_by_trimesh(path, file)
         return loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
 
     loaded = read_with(SCAN, path, read)
