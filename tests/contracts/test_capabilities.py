@@ -172,4 +172,4 @@ def test_what_another_package_declares_is_checked_before_it_is_used(complaint: s
 
 
 def test_the_name_of_a_capability_may_not_be_taken() -> None:
-    assert "the capability 'pictures' is there already" in _problem("pictures", Capability(summary=""), capabilities())
+    assert "the capability 'pictures' exists already" in _problem("pictures", Capability(summary=""), capabilities())

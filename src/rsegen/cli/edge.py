@@ -281,7 +281,11 @@ def _of_flag(message: str, command: str | None, words: Sequence[str]) -> str:
 
 def _flags(command: str) -> dict[str, str]:
     """Return the flag of each declared parameter of a command."""
-    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command).actions)
+    try:
+        actions = parser_of(command).actions
+    except Exception:  # of a plug-in's command: it may be the parser that failed, which has been reported
+        return {}
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in actions)
     return {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
 
 
