@@ -354,6 +354,14 @@ def test_a_parameter_of_a_command_without_a_sort_is_refused_in_one_line(tmp_path
     assert f"the parameter 'grain' {NO_SORT}" in refused("dig", packages=tmp_path)
 
 
+@pytest.mark.parametrize("command", ["--help", "doctor"])
+def test_a_capability_whose_import_is_interrupted_ends_in_one_line(command: str, tmp_path: Path) -> None:
+    declaring(tmp_path, "")
+    (tmp_path / "dunes" / "__init__.py").write_text("raise KeyboardInterrupt\n")  # as Ctrl-C does in some libraries
+    found = run(command, packages=tmp_path)
+    assert (found.returncode, found.stderr) == (130, "rsegen: stopped\n")
+
+
 @pytest.mark.parametrize("look", ["raise RuntimeError('dust')", "return 'dust'"])
 def test_doctor_goes_on_if_that_of_a_capability_fails(look: str, tmp_path: Path) -> None:
     found = run("doctor", packages=declaring(tmp_path, "doctor='dunes.sand:look'", f"def look():\n    {look}\n"))

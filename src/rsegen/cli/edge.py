@@ -225,9 +225,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if ours and sys.flags.dev_mode:
                 raise
             # A compiled module that a signal interrupts while it is imported raises its own ImportError.
-            stopped = ours and signals.came
+            shown_error = KeyboardInterrupt() if ours and signals.came else error
+            if not str(shown_error):  # it names no flags; to ask for commands is to import capabilities once more
+                words = ()
             command = next((word for word in words if word in commands()), None)
-            return failed(KeyboardInterrupt() if stopped else error, signals.number, command, words)
+            return failed(shown_error, signals.number, command, words)
 
 
 def _run(words: Sequence[str], signals: Signals) -> int:
