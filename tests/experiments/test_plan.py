@@ -113,7 +113,7 @@ def test_an_experiment_with_too_many_robots_names_the_file_and_the_row_in_it(tmp
 def test_a_larger_map_without_room_names_the_row_and_its_size() -> None:
     plan = read_plan("crowd", {"rows": [{"robots": 99, "sizes": [10], "simulator": "mujoco"}]})
     server = trial_server(plan, plan.cells[0], 1, EMBEDDED["mujoco"], lambda: None)
-    with pytest.raises(NoSpot, match="^row 1, 10, real: robots: found spots for "), server:
+    with pytest.raises(NoSpot, match=r"^row 1, 10, real: robots: found spots for "), server:
         pass
 
 

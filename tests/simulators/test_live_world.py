@@ -152,7 +152,9 @@ def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:
     with connected_to(sim_address), transport_world("other", partition) as address:
         with transport_client(address, Patience()) as client:
             client.offers("/world/other/control")
-        problem = f"GZ_PARTITION: 2 servers of Gazebo Sim run in the partition {partition}; set it to that of one server"
+        problem = (
+            f"GZ_PARTITION: 2 servers of Gazebo Sim run in the partition {partition}; set it to that of one server"
+        )
         with pytest.raises(ParameterError, match=re.escape(problem)):
             connect_again_and_again(address)
 
