@@ -113,6 +113,15 @@ def test_a_metric_that_fails_is_named(tmp_path: Path) -> None:
     assert "metric steep: ZeroDivisionError: division by zero" in refused("metrics", "peak", packages=tmp_path)
 
 
+def test_a_metric_with_a_name_of_rsegen_s_own_is_refused_with_all_of_these(tmp_path: Path) -> None:
+    source = 'import rsegen\n\n@rsegen.metric("m")\ndef spread(field):\n    """Spread."""\n    return 1.0\n'
+    installed(tmp_path, source, "[rsegen.metrics]\nspread = dunes:spread\n")
+    found = run("metrics", "peak", packages=tmp_path)
+    names = "map, opening, plane, predictions, reach, ruggedness, scale, seed, spectrum, spread, steps"
+    problem = f"(dunes:spread): a metric cannot be named 'spread', as rsegen's own are {names}; it is left out\n"
+    assert (found.returncode, found.stderr) == (0, f"rsegen: warning: plug-in 'spread' of sandbox 0.3 {problem}")
+
+
 FORMAT = '''
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
