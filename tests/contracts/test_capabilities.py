@@ -119,7 +119,7 @@ print(json.dumps({
     "house": rsegen.__file__,
 }))
 """
-"""What is tried of what is left, in one process: each start takes half a second."""
+"""Script that tries what is left, in one process: each start takes half a second."""
 
 
 @pytest.mark.slow

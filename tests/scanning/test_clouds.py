@@ -427,7 +427,7 @@ def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch:
 
 
 class PanicException(BaseException):
-    """What code in Rust raises, as lazrs does at files of early versions of LASzip: no Exception."""
+    """Exception of code in Rust, as lazrs does at files of early versions of LASzip: no Exception."""
 
 
 @pytest.mark.parametrize(("raised", "seen"), [(PanicException("no table"), FileError), (KeyboardInterrupt(), None)])

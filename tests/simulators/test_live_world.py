@@ -1,4 +1,4 @@
-"""What every live world keeps to: in real servers, and over the transport library of Gazebo Sim alone."""
+"""Contract of all live worlds: in real servers, and over the transport library of Gazebo Sim alone."""
 
 from __future__ import annotations
 
