@@ -1,4 +1,4 @@
-"""How far simulators agree about drives: the same fields, starts, routes and ends in all of them.
+"""Agreement of simulators about drives: the same fields, starts, routes and ends in all of them.
 
 python -m benchmarks.agreement                       drives in MuJoCo and in Gazebo Classic, measures steps and speeds,
                                                      prints the tables and keeps benchmarks/results/agreement.json; an
@@ -54,7 +54,7 @@ MUJOCO = tuple(f"mujoco {motors}" for motors in MOTORS)
 """MuJoCo with each model of motors."""
 
 SIMULATED = (CLASSIC, SIM, *MUJOCO)
-"""What drives, in the order of the record."""
+"""Robots that drive, in the order of the record."""
 
 Ways = dict[str, list[list[float]]]
 """Points of planned ways by their worlds, metres."""
@@ -158,7 +158,7 @@ class Outcome:
 
     @property
     def crossed(self) -> bool:
-        """Whether the whole robot was beyond the map, upright and not by a way beside it."""
+        """Return whether the whole robot was beyond the map, upright and not by a way beside it."""
         return self.seconds is not None
 
 

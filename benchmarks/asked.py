@@ -1,4 +1,4 @@
-"""Whether robots cross maps as surely as is asked, and how rough these are: `crossable_by: crawler:0.9`.
+"""Check that robots cross maps as surely as is asked, and how rough these are: `crossable_by: crawler:0.9`.
 
 python -m benchmarks.asked             asks for fresh maps with several certainties, drives each robot along its ways in
                                        MuJoCo, both ways across, out of the spread of a prediction with errors that no

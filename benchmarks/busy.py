@@ -54,7 +54,7 @@ class Tried:
 
 @contextmanager
 def busy(programs: int) -> Iterator[None]:
-    """So many programs that work and never end."""
+    """Run a number of programs that work and never end."""
     with ExitStack() as stack:
         for _ in range(programs):
             program = subprocess.Popen([sys.executable, "-c", "while True: pass"])

@@ -1,4 +1,4 @@
-"""How often predictions are right: what was predicted and what happened, on fields that nobody has seen before.
+"""Accuracy of predictions: what was predicted and what happened, on fields that nobody has seen before.
 
 python -m benchmarks.certainty               predicts and drives in MuJoCo, with both models of motors, on lanes and on
                                              planned ways of fresh fields; keeps benchmarks/results/certainty.json and
@@ -91,7 +91,7 @@ _SECONDS, _GAZEBO_SECONDS = 20.0, 20.0
 _TITLES = {judge: crossings.TITLES[judge] for judge in (crossings.MUJOCO, *SIMULATORS)}
 
 COLUMNS = ("robot", "field", "unit_cm", "seed", "route", "motors", "line", "told", "drives", "judge", "crossed", "of")
-"""What a row of the record has: a prediction, and how many of the drives in a simulator that judged it crossed."""
+"""Columns of a row of the record: a prediction, and how many of the drives in a simulator that judged it crossed."""
 
 
 class Field(NamedTuple):

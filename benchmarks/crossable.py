@@ -1,4 +1,4 @@
-"""Whether robots cross the maps that are made crossable for them, and over how much of their way they are on blocks.
+"""Check that robots cross the maps that are made crossable for them, and over how much of their way they are on blocks.
 
 python -m benchmarks.crossable             makes 45 fresh maps, drives each robot along its way in MuJoCo, once as it is
                                            and then out of the spread of a prediction, prints the table and keeps
@@ -86,7 +86,7 @@ class Drive:
 
     @property
     def crossed(self) -> bool:
-        """Whether the whole robot was beyond the map, upright."""
+        """Return whether the whole robot was beyond the map, upright."""
         return self.seconds is not None
 
 

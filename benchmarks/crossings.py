@@ -1,4 +1,4 @@
-"""How often poses are right about a crossing: robots drive straight over random fields in Gazebo Classic and in MuJoCo.
+"""Accuracy of poses about crossings: robots drive straight over random fields in Gazebo Classic and in MuJoCo.
 
 python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; thirteen minutes
 python -m benchmarks.crossings --simulator mujoco    drives in MuJoCo alone, and keeps the record of the other
@@ -77,7 +77,7 @@ TITLES: Mapping[str, str] = {**{name: kind.title for name, kind in SIMULATORS.it
 
 
 class Lane(NamedTuple):
-    """What is the same in all simulators: the robot, the field, and y of the lane, metres."""
+    """A lane, the same in all simulators: the robot, the field, and y of the lane, metres."""
 
     robot: str
     field: str
@@ -118,17 +118,17 @@ class Drive:
 
     @property
     def crossed(self) -> bool:
-        """Whether the whole robot was beyond the map, upright and not by a way beside it."""
+        """Return whether the whole robot was beyond the map, upright and not by a way beside it."""
         return self.seconds is not None
 
     @property
     def is_right(self) -> bool:
-        """Whether the prediction came true."""
+        """Return whether the prediction came true."""
         return self.foreseen == self.crossed
 
     @property
     def happened(self) -> str:
-        """What happened, in words."""
+        """Outcome in words."""
         if self.crossed:
             return f"crosses after {self.seconds:.1f} s, turned by {abs(self.turned):.0f} degrees at the end"
         if self.tipped:
@@ -316,7 +316,7 @@ class Pair:
 
     @property
     def agrees(self) -> bool:
-        """Whether it crosses in both simulators or in neither."""
+        """Return whether it crosses in both simulators or in neither."""
         return self.one.crossed == self.other.crossed
 
 

@@ -1,4 +1,4 @@
-"""What a data set costs: `python -m benchmarks.datasets` makes four of them, each ten times larger than the one before.
+"""Cost of data sets: `python -m benchmarks.datasets` makes four of them, each ten times larger than the one before.
 
 Whole commands of maps of 10 x 10 random blocks of six levels, in children, with one worker so that CPU seconds are of
 one core; then a million with two. Beside them complete worlds of the same maps, up to ten thousand. Their figures are
@@ -23,7 +23,7 @@ from benchmarks.ways import FOLDER, Command, worlds
 SIZE = 10
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 WORLDS = 10_000
-"""So many complete worlds are made at the most: each is eight files."""
+"""Complete worlds that are made at the most: each is eight files."""
 
 RUNS = 3
 FILE = RESULTS / "datasets.json"

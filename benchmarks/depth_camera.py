@@ -38,7 +38,7 @@ class DepthCamera:
 
 
 def cast(field: StepField, camera: DepthCamera) -> Array:
-    """How far each ray of a camera goes until it meets a field or the floor [m], (rows * columns,); nan if it does not.
+    """Length of each ray of a camera until it meets a field or the floor [m], (rows * columns,); nan if it does not.
 
     The field's middle is the origin. A ray is followed from one line of the grid to the next.
     """
@@ -83,7 +83,7 @@ def _cast(field: StepField, rays: Array, place: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Flaws:
-    """What is wrong with a real scan: noise along each ray [m], share of missing points, share of outliers.
+    """Flaws of a real scan: noise along each ray [m], share of missing points, share of outliers.
 
     blur: standard deviation of the Gauss filter of each depth image [pixels], as phones smooth depths: at an edge of a
     block the depths of both sides are mixed into points that are on neither.

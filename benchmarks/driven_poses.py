@@ -1,4 +1,4 @@
-"""How well poses of robots that drive are predicted: put down level, and from the one before.
+"""Accuracy of predicted poses of robots that drive: put down level, and from the one before.
 
 python -m benchmarks.driven_poses             prints the table and keeps its record; two minutes
 python -m benchmarks.driven_poses --seed 7    on these fields again; by default the seed is drawn

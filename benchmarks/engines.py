@@ -1,4 +1,4 @@
-"""What a map costs in an engine, by the shape in which it is given: compiling, memory, and a step with bodies on it.
+"""Cost of a map in an engine, by the shape in which it is given: compiling, memory, and a step with bodies on it.
 
 Part of `python -m benchmarks.learning`; an engine that is not installed has no rows.
 """
@@ -22,7 +22,7 @@ TURNS = 5
 SETTLING, STEPS = 500, 500
 """Steps until the bodies lie still, about, and steps that are measured."""
 PLACES = [(0.3 * x, 0.3 * y, 0.6) for x in (-1, 0, 1) for y in (-1, 0, 1)]
-"""Where nine bodies fall from, metres: boxes and balls in turn."""
+"""Places from which nine bodies fall, metres: boxes and balls in turn."""
 HALF = 0.06
 """Half of the side of a box, and the radius of a ball, metres."""
 

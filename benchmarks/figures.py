@@ -1,4 +1,4 @@
-"""What was measured, as frozen values and as JSON. Seconds and bytes."""
+"""Measurements as frozen values and as JSON. Seconds and bytes."""
 
 from __future__ import annotations
 

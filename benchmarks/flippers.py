@@ -1,4 +1,4 @@
-"""How a crawler learns to use its flippers: `python -m benchmarks.flippers`, on a GPU an hour, without one days.
+"""Training of a crawler to use its flippers: `python -m benchmarks.flippers`, on a GPU an hour, without one days.
 
 PPO of rsl_rl, the trainer of mjlab and Isaac Lab, drives rsegen's crawler over fields of 2 x 1 m in thousands of worlds
 of mujoco_warp: with flippers that it moves, and with flippers that are held as `rsegen drive` holds them. Then each

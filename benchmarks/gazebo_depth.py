@@ -50,7 +50,7 @@ Place = tuple[float, float, float]
 
 
 def depth_clouds(recipe: rsegen.Recipe, places: Sequence[Place], here: Installation) -> list[Array]:
-    """What depth cameras at some places [m], which look at the middle of a recipe's first map, see of it.
+    """Clouds of a recipe's first map by depth cameras at some places [m], which look at its middle.
 
     Points (n, 3) in the map's frame [m], a cloud per camera. The server needs a screen, if only a virtual one.
     """

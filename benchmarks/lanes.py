@@ -56,7 +56,7 @@ _FRICTION = "<friction><ode><mu>1</mu><mu2>1</mu2></ode></friction>"
 
 
 _SURFACE = re.compile(r"<surface>\s*" + re.escape(_CONTACT) + r"\s*" + re.escape(_FRICTION))
-"""How the surface of a map's collision begins in its SDF."""
+"""Beginning of the surface of a map's collision in its SDF."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -101,7 +101,7 @@ CHANGES: Mapping[str, Change] = {
     "iterations-200": Change(solver=_solver("<iters>200</iters>")),
     "exact-solver": Change(solver="<ode><solver><type>world</type></solver></ode>"),
 }
-"""What Gazebo Classic can be told otherwise, by the name of `--change`."""
+"""Changes of Gazebo Classic's settings, by the name of `--change`."""
 
 NOTHING_HERE = 3
 """Exit code."""
@@ -170,7 +170,7 @@ def starts(ground: str) -> Iterator[tuple[int, Pose]]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Settings:
-    """What is changed in the map, how long robots stand first, and how long they drive before they are measured [s]."""
+    """Changes of the map, how long robots stand first, and how long they drive before they are measured [s]."""
 
     change: Change = CHANGES["none"]
     stand: float = 0.0

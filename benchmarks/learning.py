@@ -1,4 +1,4 @@
-"""How fast maps for learning are made, and what they cost in engines: `python -m benchmarks.learning`, five minutes.
+"""Cost of maps for learning, and of them in engines: `python -m benchmarks.learning`, five minutes.
 
 Each row is beside another way in the same run, so that the ratio says something on any machine: the median of the
 ratios of several turns, seconds of CPU; engines are beside one another. Kept in benchmarks/results/learning.json;
@@ -98,7 +98,7 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "discrete obstacles": ({"obstacles": [DiscreteObstacles(levels=LEVELS)]}, 4096),
     "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 4096),
 }
-"""What changes of a recipe of random blocks for each kind of map, and how many maps are made."""
+"""Changes to a recipe of random blocks for each kind of map, and how many maps are made."""
 
 LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
 """Designs of which maps of 40 x 40 blocks are measured too."""

@@ -133,7 +133,7 @@ def _drive_one(robot: str, scene: Scene, seconds: float) -> DriveRecording:
 
 
 def _looks(made: DriveRecording | SimulatorFailed, seconds: float) -> Any:
-    """Where the robot is at each look, (looks, 3), metres; after its end where it was then."""
+    """Place of the robot at each look, (looks, 3), metres; after its end the last one."""
     if isinstance(made, SimulatorFailed):
         raise made
     (trajectory,) = made.trajectories.values()

@@ -31,7 +31,7 @@ _IN_MEMORY = Path("/dev/shm")  # noqa: S108  # a folder of our own is made in it
 _ROOM = 8_000_000_000
 
 SHELF = str(_IN_MEMORY) if _IN_MEMORY.is_dir() and psutil.disk_usage(str(_IN_MEMORY)).free > _ROOM else None
-"""Where files are written: in memory where that can be, for a disk's own cost varies more than anything measured."""
+"""Folder of the files: in memory where that can be, for a disk's own cost varies more than anything measured."""
 
 
 class Failed(Exception):  # a way that failed is a row of the table

@@ -1,4 +1,4 @@
-"""How much of rsegen a command passes through: its files, and functions, of which each call of one counts once.
+"""Share of rsegen that a command passes through: its files, and functions, of which each call of one counts once.
 
 `python -m benchmarks.passes generate peak` prints both, by folder; any command and its flags may be given, and where it
 writes if it needs that. Imports are left out: what runs when a module is imported is no step of the way.

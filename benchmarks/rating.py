@@ -1,4 +1,4 @@
-"""Whether the intervals of `rsegen rate` hold what they promise: `python -m benchmarks.rating`, half an hour.
+"""Check that the intervals of `rsegen rate` hold what they promise: `python -m benchmarks.rating`, half an hour.
 
 python -m benchmarks.rating                does both, prints the tables and keeps benchmarks/results/rating.json
 python -m benchmarks.rating --simulated    rates simulated robots alone, ten minutes; the record of the others is kept

@@ -1,4 +1,4 @@
-"""How well poses at rest are predicted: robots fall on random fields in three simulators.
+"""Accuracy of predicted poses at rest: robots fall on random fields in three simulators.
 
 python -m benchmarks.rests    prints the tables and keeps benchmarks/results/rests.json; a quarter of an hour
 
@@ -66,7 +66,7 @@ CLOSE = (5.0, 1.5)
 """Millimetres and degrees of a prediction that is close enough."""
 
 ENGINE = Path.home() / ".cache/rsegen/gazebo-engine/gazebo-engine"
-"""Where scripts/gazebo-engine puts its program."""
+"""Place at which scripts/gazebo-engine puts its program."""
 
 TIMED, RUNS = 4096, 5
 """Poses that are timed together, and how often: the median counts."""
@@ -76,7 +76,7 @@ PEER = 2000
 
 
 class At(NamedTuple):
-    """Where a centre of mass is, metres, and the robot's axes as columns, (3, 3)."""
+    """Place of a centre of mass, metres, and the robot's axes as columns, (3, 3)."""
 
     centre: Array
     axes: Array
@@ -115,7 +115,7 @@ class Rest:
 
     @property
     def is_close(self) -> bool:
-        """Whether the prediction is close enough."""
+        """Return whether the prediction is close enough."""
         return is_close(self.height, self.angle)
 
 

@@ -1,4 +1,4 @@
-"""How rightly `rsegen scan` and `rsegen compare` read known fields, from clouds of a ray caster and of Gazebo Classic.
+"""Accuracy of `rsegen scan` and `rsegen compare` on known fields, from clouds of a ray caster and of Gazebo Classic.
 
 python -m benchmarks.scan    prints the tables and keeps benchmarks/results/scan.json; a quarter of an hour
 
@@ -147,7 +147,7 @@ def _eyes(place: str, views: int, rng: np.random.Generator) -> list[tuple[float,
 
 
 def judged(field: StepField, cloud: Array, trial: type[Trial], of: tuple[str, str, str, int, int, int]) -> Trial:
-    """What a scan with nothing given reads, and one that is held against the field."""
+    """Results of a scan with nothing given, and of one that is held against the field."""
     seen, right, found = 0, 0, False
     try:
         scan = find_field(cloud)

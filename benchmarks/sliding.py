@@ -1,4 +1,4 @@
-"""How robots that skid turn on flat ground: by statics, in MuJoCo as it is, and with rsegen's sliding contacts.
+"""Turns of robots that skid on flat ground: by statics, in MuJoCo as it is, and with rsegen's sliding contacts.
 
 python -m benchmarks.sliding    prints the table of docs/mujoco.md; two minutes
 

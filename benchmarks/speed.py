@@ -1,4 +1,4 @@
-"""What rsegen costs, beside what others do: the same grids, in one run, each work in fresh children.
+"""Cost of rsegen and of others: the same grids, in one run, each work in fresh children.
 
 python -m benchmarks.speed            the record in benchmarks/results, in about ten minutes
 python -m benchmarks.speed --quick    sizes up to 320 in under two minutes, printed and not kept
@@ -24,7 +24,7 @@ from benchmarks.ways import LARGEST, MATRICES, SIZES, WAYS, Command, Way, comman
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Plan:
-    """What is measured: sizes; how often at most, and for how many seconds; how many maps; the slow ways too or not."""
+    """Measurements: sizes; how often at most, and for how many seconds; how many maps; the slow ways too or not."""
 
     text: str
     sizes: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""Whether robots start level and stay upright: every example, robot, route and distinct start in a real Gazebo.
+"""Check that robots start level and stay upright: every example, robot, route and distinct start in a real Gazebo.
 
 python -m benchmarks.starts    prints the table and keeps benchmarks/results/starts.json; half an hour
 
@@ -66,12 +66,12 @@ class Start:
 
     @property
     def is_level(self) -> bool:
-        """Whether it stands where it started."""
+        """Return whether it stands where it started."""
         return self.tilt is not None and self.tilt <= MOST_TILT and abs(self.fall or 0) <= MOST_FALL
 
     @property
     def is_good(self) -> bool:
-        """Whether it stands where it started, and stays upright when it is driven."""
+        """Return whether it stands where it started, and stays upright when it is driven."""
         return self.is_level and self.upright is True
 
 

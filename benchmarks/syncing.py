@@ -1,4 +1,4 @@
-"""What it costs to wait until the disk has the files: the same maps with and without, in turns, in one process.
+"""Cost of waiting until the disk has the files: the same maps with and without, in turns, in one process.
 
 python -m benchmarks.syncing    the record in benchmarks/results/syncing.json, in a minute; docs/reliability.md shows it
 """

@@ -1,4 +1,4 @@
-"""What rsegen promises to cost, and whether it does: every verdict is computed from the figures."""
+"""Promised costs of rsegen, and whether they are kept: every verdict is computed from the figures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Target:
     at_most: bool = True
 
     def ratio(self, results: Results) -> float | None:
-        """What was measured over what was promised; None where nothing was."""
+        """Ratio of what was measured to what was promised; None if nothing was."""
         found = self.figure(results)
         return None if found is None else found / self.limit
 
@@ -88,7 +88,7 @@ def _rss(run: Run) -> float:
 
 
 def _starts() -> Iterator[Target]:
-    """What a person waits for: Python's start and the imports, beside those of numpy on the same machine."""
+    """Times for which a person waits: Python's start and the imports, and those of numpy on the same machine."""
     numpy, world = read("numpy", 0, _cpu), read("single", 10, _cpu)
     yield Target(text="`rsegen --help`, CPU", figure=read("help", 0, _cpu), limit=0.1, unit="s")
     yield Target(text="the same / `import numpy`'s", figure=over(read("help", 0, _cpu), numpy), limit=0.5, unit="x")

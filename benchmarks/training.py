@@ -1,4 +1,4 @@
-"""How a robot learns to cross rubble: `python -m benchmarks.training`, six minutes on two cores that do nothing else.
+"""Training of a robot to cross rubble: `python -m benchmarks.training`, six minutes on two cores that do nothing else.
 
 PPO of Stable-Baselines3 trains the robot of benchmarks/rover.py on a curriculum, on flat ground alone, and on full
 difficulty from the first step, three times each. Then each policy crosses fields of another seed; so do the policy

@@ -1,4 +1,4 @@
-"""What the manual shows of each kind of obstacle: ends and softness at which its picture shows what its name says."""
+"""Pictures of each kind of obstacle in the manual: ends and softness at which its picture shows what its name says."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def obstacle_of(kind: str, cells: int = 10, **changed: Any) -> Obstacle:
 
 
 def softnesses(kind: str) -> Iterator[tuple[str, Recipe]]:
-    """What a kind is at softness 0, 50 and 100, on a map of 20 x 20 blocks; with a title for each."""
+    """Maps of a kind at softness 0, 50 and 100, on a map of 20 x 20 blocks; with a title for each."""
     for softness in (0, 50, 100):
         obstacle = obstacle_of(kind, 20, softness=softness, **({} if kind == "matrix" else {"levels": 9}))
         if kind == "matrix":

@@ -24,7 +24,7 @@ _HEIGHT = 3.4
 """Inches of a view."""
 
 _MESH_TYPES = {"single": 0, "pallet": 1, "multi": 2}
-"""How much a map falls apart: not, into its chunks, into its blocks."""
+"""Parts into which a map falls apart: not, into its chunks, into its blocks."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -269,7 +269,7 @@ shows them.
 
 
 def pictures() -> dict[Path, Scene]:
-    """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
+    """Content of every generated picture, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
     shown[WAYS] = shown[POSE_MAPS] = shown[SETTLED] = load(EXAMPLES["mixed-course"])
@@ -325,7 +325,7 @@ def _record(path: Path) -> Mapping[str, Any]:
 
 
 def _learned() -> Iterator[str]:
-    """What robots learned in many worlds, and what these cost."""
+    """Results of robots that learned in many worlds, and the cost of these."""
     yield "## A crawler and its flippers\n"
     yield "![The share of fields crossed while learning, and of unseen fields by their blocks](pictures/flippers.png)\n"
     yield from flippers.table(_record(flippers.FILE))
@@ -379,7 +379,7 @@ def terrain() -> Recipe:
 
 
 def shows(path: Path, recipe: Recipe) -> bool:
-    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values.
+    """Return whether a picture shows the maps of a recipe: the one in it has the same values, whatever wrote it.
 
     A sheet shows the version too, which must be this one.
     """
@@ -400,7 +400,7 @@ SHOWN = {
     "mesh": "merged mesh without soft contact",
     "block-mesh": "8 vertices and 6 faces per block, without soft contact",
 }
-"""What of the contact benchmark is in the manual, and what it is called there."""
+"""Parts of the contact benchmark that are in the manual, and their names there."""
 
 
 def _predictions() -> Iterator[str]:

@@ -37,7 +37,7 @@ PHONE = 390, 780
 TALL = 1366, 880
 """In which twelve variants are seen."""
 PLACE = -0.35, 0.35, 0.6
-"""Where the crawler stands on the example: x, y, heading."""
+"""Pose of the crawler on the example: x, y, heading."""
 _REST = 0.5
 """Seconds after which a view that was drawn in fewer pixels has been drawn in full."""
 

@@ -1,4 +1,4 @@
-"""When, on what machine, by what command and with which code each record of benchmarks/results was made.
+"""Origin of each record of benchmarks/results: when, on what machine, by what command and with which code it was made.
 
 A record that has changed since the dates were written is of the day, and of the code, on which
 `python -m docs.generate` sees it first: `make bench` and the like call it at once. So a date is that of the figures,
@@ -35,7 +35,7 @@ _TRIALS = ("src/rsegen/experiments", *_IN_GAZEBO, "src/rsegen/geometry")
 
 
 class Source(NamedTuple):
-    """Where figures are shown, the command that measures them again, and the files and folders that make them."""
+    """The page that shows figures, the command that measures them again, and the files and folders that make them."""
 
     page: str
     command: str
@@ -278,7 +278,7 @@ def in_short(dated: Mapping[str, Mapping[str, Any]], *shown: str) -> Iterator[st
 
 
 def _machine(record: Any) -> str:
-    """What a record says of its machine; records of several shapes do so in several ways."""
+    """Words of a record on its machine; records of several shapes do so in several ways."""
     if isinstance(record, list):
         return ", ".join(dict.fromkeys(_machine(part) for part in record))
     machine = record.get("machine", "")

@@ -59,7 +59,7 @@ _KINDS = {
     "foreign in its place": "a thing of others in the place",
     "foreign hidden name": "a thing of others with a hidden name",
 }
-"""What happens in a trial of tests/crash, in words."""
+"""Events of trials of tests/crash, in words."""
 
 
 def _sum(disks: Iterable[Mapping[str, Any]], what: str) -> int:

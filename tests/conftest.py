@@ -46,7 +46,7 @@ ROOM = 2e9
 
 
 def _takes_files(folder: str) -> bool:
-    """Whether a folder has room for the files of tests, and programs in it may be run; not so in most containers."""
+    """Return whether a folder has room for the files of tests, and its programs may be run; not in most containers."""
     if not os.path.isdir(folder):
         return False
     found = os.statvfs(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import pkgutil
+import re
 import subprocess
 import sys
 from graphlib import TopologicalSorter
@@ -58,6 +59,21 @@ def test_no_name_of_a_package_hides_its_module(package: Path) -> None:
     body = ast.walk(ast.parse((package / "__init__.py").read_text("utf-8")))
     names = {name.asname or name.name for node in body if isinstance(node, ast.ImportFrom) for name in node.names}
     assert not names & {module.name for module in pkgutil.iter_modules([str(package)])}
+
+
+CLAUSES = "Because|How|If|Since|So|Than|There|Unless|Until|What|When|Where|Whether|While|Who|Whose|Why"
+CODE = ("src", "tests", "benchmarks", "docs", "scripts", "examples")
+
+
+def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
+    """As STYLE.md has it: a clause alone is no sentence."""
+    clauses = [
+        f"{path.relative_to(ROOT)}: {found[0].strip()}"
+        for folder in CODE
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for found in re.finditer(rf'^ *"""({CLAUSES})\b.*', path.read_text("utf-8"), re.MULTILINE)
+    ]
+    assert not clauses, clauses
 
 
 def test_every_obstacle_class_is_public_by_name() -> None:

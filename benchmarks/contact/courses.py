@@ -97,7 +97,7 @@ def drops(field: StepField) -> list[Drop]:
 
 
 def _sorts(field: StepField, i: int, j: int) -> Iterator[tuple[str, float]]:
-    """What a cell serves for, by what follows it along x, and how far from its middle a body falls."""
+    """Purpose of a cell, by what follows it along x, and distance from its middle at which a body falls."""
     here, there = field.levels[i, j], field.levels[i + 1, j]
     if there < here:
         yield "ledge", WIDTH / 2 - 0.01

@@ -1,4 +1,4 @@
-"""What the shapes of a field can be made of: boxes, meshes, a height map."""
+"""Geometries of which the shapes of a field can be made: boxes, meshes, a height map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the trials say: a ranked table in Markdown, everything in JSON."""
+"""Report of the trials: a ranked table in Markdown, everything in JSON."""
 
 from __future__ import annotations
 

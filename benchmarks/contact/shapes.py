@@ -1,4 +1,4 @@
-"""What a collision can be made of, as SDF and as the files that it names."""
+"""Geometries of collisions, as SDF and as the files that it names."""
 
 from __future__ import annotations
 

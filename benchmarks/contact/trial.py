@@ -29,7 +29,7 @@ PERIOD = 0.05
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
-    """How a robot drove: mm off its course at the end, mrad of yaw, mrad of roll (sd), metres ahead."""
+    """Drive of a robot: mm off its course at the end, mrad of yaw, mrad of roll (sd), metres ahead."""
 
     robot: str
     ground: str
@@ -42,7 +42,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rest:
-    """How a dropped body rests: mm above its place, mm aside, mm of height that it still moves through."""
+    """Rest of a dropped body: mm above its place, mm aside, mm of height that it still moves through."""
 
     name: str
     above: float
@@ -57,7 +57,7 @@ class Rest:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trial:
-    """What came of a run; cost: CPU s a simulated second; load: s, and CPU s; memory: MB when loaded."""
+    """Outcome of a run; cost: CPU s a simulated second; load: s, and CPU s; memory: MB when loaded."""
 
     construction: str
     seed: int

@@ -39,7 +39,7 @@ def multi_world(levels: Levels, path: Path) -> int:
 
 
 def merged(levels: Levels) -> int:
-    """How many faces the merged surface of a grid has."""
+    """Number of faces that the merged surface of a grid has."""
     return sum(len(mesh.faces) for mesh in meshes(_field(levels), "merged"))
 
 

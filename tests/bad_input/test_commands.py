@@ -1,4 +1,4 @@
-"""Commands, flags, and what they are pointed at; what is there already; more than there is room for."""
+"""Commands, flags, and what they are pointed at; outputs that exist; more than there is room for."""
 
 from __future__ import annotations
 
@@ -279,7 +279,7 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 
 
-# What is there already.
+# Outputs that exist.
 
 
 def test_an_existing_map_stays_and_no_other_is_begun(refused: Refused) -> None:

@@ -1,4 +1,4 @@
-"""What a file or an obstacle says and no single parameter can answer for."""
+"""Errors of files and obstacles that no single parameter can answer for."""
 
 from __future__ import annotations
 

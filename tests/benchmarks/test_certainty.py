@@ -1,4 +1,4 @@
-"""What the record of predictions amounts to: every drive is counted once, and a told probability is judged by Brier."""
+"""Totals of the record of predictions: every drive is counted once, and a told probability is judged by Brier."""
 
 from __future__ import annotations
 

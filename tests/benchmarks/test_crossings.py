@@ -55,7 +55,7 @@ def test_the_table_has_precision_recall_rivals_and_every_wrong_prediction() -> N
 
 
 OUTCOMES = [(True, True, True), (True, True, False), (True, False, False), (False, False, True), (False, False, False)]
-"""Whether a drive was predicted to cross, and whether it crossed in Classic and in MuJoCo."""
+"""A drive: whether it was predicted to cross, and whether it crossed in Classic and in MuJoCo."""
 
 TWICE = [
     drive(foreseen=foreseen, crosses=crosses, line=float(line), simulator=simulator)

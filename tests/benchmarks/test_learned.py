@@ -1,4 +1,4 @@
-"""What robots learned on blocks: they touched them, the records add up, and the page has the figures."""
+"""Records of robots that learned on blocks: they touched them, the records add up, and the page has the figures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _record(module: Any) -> dict[str, Any]:
 
 
 def _crossed(policy: str, part: str = "crossed") -> tuple[int, int]:
-    """How many fields were crossed of how many, over all rows and seeds."""
+    """Number of fields that were crossed, and of all, over all rows and seeds."""
     runs = [run[part] for run in _record(flippers)["runs"] if run["policy"] == policy]
     counts = [row for run in runs for row in run.values()]
     return sum(row[0] for row in counts), sum(row[1] for row in counts)

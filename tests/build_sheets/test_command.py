@@ -17,7 +17,7 @@ RANDOM = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """What a command that succeeds prints; it says nothing on stderr."""
+    """Output of a command that succeeds; it says nothing on stderr."""
     capsys.readouterr()
     assert main([str(argument) for argument in arguments]) == 0
     out, err = capsys.readouterr()

@@ -28,7 +28,7 @@ COUNTS = st.dictionaries(st.integers(1, 60).map(lambda length: length * CM), st.
 
 
 def cut_length(parts: Sequence[int], saw: CutSettings) -> int:
-    """How much of a piece is needed at most for these parts: each may be too long, with a cut between two of them."""
+    """Longest length of a piece that these parts need: each may be too long, with a cut between two of them."""
     return sum(parts) + len(parts) * saw.tolerance + (len(parts) - 1) * saw.kerf
 
 

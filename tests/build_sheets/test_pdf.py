@@ -68,7 +68,7 @@ def cells(page: PageObject, shape: tuple[int, int], top: float = 40, side: float
 
 
 def inside(grid: list[list[str]], scene: Scene, number: int) -> list[list[str]]:
-    """What stands in the cells that are no frame."""
+    """Texts in the cells that are no frame."""
     field = building_order(scene)[number].chunk.field
     rows = [row for row, kept in zip(grid, field.inside(1)[::-1], strict=True) if kept]
     return [[text for text, kept in zip(row, field.inside(0), strict=True) if kept] for row in rows]

@@ -23,6 +23,7 @@ from rsegen.params.capabilities import commands
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
+from tests.support.complaints import the_line
 from tests.support.samples import sample
 
 COURSE = EXAMPLES["mixed-course"]
@@ -45,7 +46,7 @@ def generated(*arguments: str | Path) -> int:
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """What a command that succeeds prints; it says nothing on stderr."""
+    """Output of a command that succeeds; it says nothing on stderr."""
     capsys.readouterr()
     assert main([str(argument) for argument in arguments]) == 0
     out, err = capsys.readouterr()
@@ -480,3 +481,39 @@ def test_a_value_may_begin_with_a_minus_sign(tmp_path: Path, capsys: pytest.Capt
         main(["preview", *SMALL, "--robot", "burger", "--at", "-x", "-o", str(pictures[0])])
     assert ended.value.code == 2
     assert "argument --at: expected one argument" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["generate", "export --to stl", "dataset", "examples", "preview", "view", "sheet"])
+def test_the_standard_output_is_no_place_for_files(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    name, *flags = command.split()
+    with pytest.raises(SystemExit, match="2"):
+        main([name, *([] if name == "examples" else ["peak"]), *flags, "-o", "-"])
+    assert "error: -o/--output: nothing is written to the standard output; use the name of a " in the_line(
+        capsys.readouterr().err
+    )
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize(
+    "words", ["preview peak -o a.png/", "view peak -o a.html/", "sheet peak -o a.pdf/", "robot burger --picture a.png/"]
+)
+def test_a_file_whose_name_ends_as_that_of_a_folder_is_refused(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit, match="2"):
+        main(words.split())
+    assert "/' names a folder; use the name of a file" in the_line(capsys.readouterr().err)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_folder_may_be_named_with_a_slash_at_its_end_or_a_dash(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("worlds/", "./-"):
+        assert main(["generate", "peak", "-o", folder, "-q"]) == 0
+        assert (tmp_path / folder / "peak_0000").is_dir()

@@ -100,7 +100,7 @@ def test_quiet_prints_nothing_and_json_is_json(tmp_path: Path, capsys: pytest.Ca
 
 def test_a_shell_completes_commands_flags_and_words(tmp_path: Path) -> None:
     def completed(line: str) -> set[str]:
-        """What argcomplete answers to a shell, which reads it from file descriptor 8."""
+        """Answer of argcomplete to a shell, which reads it from file descriptor 8."""
         out = tmp_path / "out"
         command = f"exec {shlex.quote(sys.executable)} -m rsegen 8>{shlex.quote(str(out))} 9>/dev/null"
         words = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n"}

@@ -1,4 +1,4 @@
-"""What commands show is printable whatever it names, and short enough to be read."""
+"""Output of commands is printable whatever it names, and short enough to be read."""
 
 from __future__ import annotations
 

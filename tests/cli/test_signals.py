@@ -29,7 +29,7 @@ COMMANDS = {
 
 
 def catches(process: subprocess.Popen[str], number: int) -> bool:
-    """Whether a process has a function for a signal, as Linux says; or has ended."""
+    """Return whether a process has a function for a signal, as Linux says; or has ended."""
     try:
         lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
     except OSError:

@@ -42,7 +42,7 @@ COMMANDS = {
 
 
 def made(capsys: pytest.CaptureFixture[str], *command: str) -> tuple[str, dict[str, bytes]]:
-    """What a command prints and writes."""
+    """Output and files of a command."""
     capsys.readouterr()
     assert main(list(command)) == 0
     return capsys.readouterr().out, contents(Path("made"))

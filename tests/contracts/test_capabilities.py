@@ -119,7 +119,7 @@ print(json.dumps({
     "house": rsegen.__file__,
 }))
 """
-"""What is tried of what is left, in one process: each start takes half a second."""
+"""Script that tries what is left, in one process: each start takes half a second."""
 
 
 @pytest.mark.slow
@@ -172,4 +172,4 @@ def test_what_another_package_declares_is_checked_before_it_is_used(complaint: s
 
 
 def test_the_name_of_a_capability_may_not_be_taken() -> None:
-    assert "the capability 'pictures' is there already" in _problem("pictures", Capability(summary=""), capabilities())
+    assert "the capability 'pictures' exists already" in _problem("pictures", Capability(summary=""), capabilities())

@@ -1,4 +1,4 @@
-"""What every obstacle kind keeps to: a new file is tested here the moment it exists."""
+"""Contract of all kinds of obstacles: a new file is tested here the moment it exists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every message keeps to: in Python it recommends arguments, in a shell flags."""
+"""Contract of all messages: in Python it recommends arguments, in a shell flags."""
 
 from __future__ import annotations
 

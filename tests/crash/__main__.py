@@ -123,7 +123,7 @@ class _Said:
 
 
 def _experiments(kills: int, seed: int) -> list[str]:
-    """What is wrong after an experiment in a real Gazebo was killed."""
+    """Problems after an experiment in a real Gazebo was killed."""
     rng, lost = random.Random(seed), []  # noqa: S311  # moments, not secrets
     with tempfile.TemporaryDirectory(prefix="rsegen-crash-") as folder:
         for trial in range(kills):

@@ -33,7 +33,7 @@ class Disk:
     mount: Callable[[Path, Path], list[str]]
 
     def missing(self) -> str:
-        """Why it cannot be mounted here, as far as can be seen; an empty text if it can."""
+        """Reason why it cannot be mounted here, as far as can be seen; an empty text if it can."""
         if sys.platform != "linux":
             return "only Linux mounts it"
         if os.geteuid():

@@ -70,7 +70,7 @@ class _Child:
         os.killpg(self.pid, signal.SIGCONT)
 
     def _lives(self) -> bool:
-        """Whether a process of the group is left; all that end become children of this process."""
+        """Return whether a process of the group is left; all that end become children of this process."""
         with contextlib.suppress(ChildProcessError):
             while True:
                 pid, status = os.waitpid(-self.pid, os.WNOHANG | os.WUNTRACED)

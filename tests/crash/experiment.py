@@ -25,7 +25,7 @@ _SECONDS = 20.0
 
 
 def has_simulator() -> bool:
-    """Whether there is a Gazebo Classic here."""
+    """Return whether there is a Gazebo Classic here."""
     try:
         choose_installation("both", "classic")
     except UserError:
@@ -34,7 +34,7 @@ def has_simulator() -> bool:
 
 
 def experiment_killed(folder: Path, rng: random.Random) -> list[str]:
-    """What is wrong after an experiment is killed at a random moment and then ends."""
+    """Problems after an experiment is killed at a random moment and then ends."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     plan, output = folder / "plan.yaml", folder / "out"

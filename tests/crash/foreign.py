@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 NAMES = ("rse_0000.old", "notes.txt", "mine", "file.txt", "folder")
-"""What `add_foreign` puts into the output folder."""
+"""Content that `add_foreign` puts into the output folder."""
 
 
 def add_foreign(trial: Path, *, shared: bool) -> None:

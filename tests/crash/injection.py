@@ -17,7 +17,7 @@ _SOURCE = Path(__file__).with_name("inject.c")
 _FILES = 4096
 
 MODES = ("count", "kill", "killafter", "fail", "full", "short", "interrupt", "stop", "stuck", "dead")
-"""What happens at the k-th call, in the order of inject.c; from it on, `stuck` renames fail, or all calls: `dead`."""
+"""Events at the k-th call, in the order of inject.c; from it on, `stuck` renames fail, or all calls: `dead`."""
 
 ERRORS = (errno.EIO, errno.ENOSPC, errno.EACCES, errno.EPERM, errno.EDQUOT, errno.EROFS)
 
@@ -42,7 +42,7 @@ class Control(ctypes.Structure):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Injection:
-    """What happens to a run at the k-th of its calls that write below the folder; nothing if k is 0.
+    """Event in a run at the k-th of its calls that write below the folder; nothing if k is 0.
 
     error: errno of `fail`, `stuck`, `dead` and of the end of `short`   every: which renames are `stuck`, 1: all
     alone: `kill` kills one process only
@@ -60,7 +60,7 @@ class Injection:
 
     @property
     def kills(self) -> bool:
-        """Whether it kills."""
+        """Return whether it kills."""
         return self.mode in ("kill", "killafter")
 
     def __str__(self) -> str:
@@ -89,7 +89,7 @@ def mapped_control(path: str | Path) -> Control:
 
 @functools.cache
 def missing() -> str:
-    """Why no call can be made to fail here; an empty text if it can."""
+    """Reason why no call can be made to fail here; an empty text if it can."""
     if sys.platform != "linux":
         return "only Linux has LD_PRELOAD and /proc/self/fd"
     return "" if shutil.which("cc") else "no C compiler: apt-get install gcc libc6-dev"

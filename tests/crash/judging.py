@@ -1,4 +1,4 @@
-"""What is on the disk, and what is wrong with it: every unit is old or new as a whole, and messages are true."""
+"""Files on the disk, and problems with them: every unit is old or new as a whole, and messages are true."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MAP = re.compile(r"root/out/[^/]*_[0-9]{4}")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class End:
-    """How a command ended: its exit code, or the signal that killed it; what it said, and what inject.c counted."""
+    """End of a command: its exit code, or the signal that killed it; what it said, and what inject.c counted."""
 
     code: int | None
     signal: int
@@ -64,7 +64,7 @@ def _entries(folder: Path, above: str) -> Iterator[tuple[str, tuple[str, int, by
 
 
 def is_hidden(path: str) -> bool:
-    """Whether a path is that of a hidden file or folder of rsegen, or in one."""
+    """Return whether a path is that of a hidden file or folder of rsegen, or in one."""
     return any(part.startswith(".rsegen") for part in PurePosixPath(path).parts)
 
 
@@ -108,7 +108,7 @@ def neither_old_nor_new(
 
 
 def _units(files: Tree, depth: int) -> dict[str, dict[str, tuple[str, int, bytes]]]:
-    """What is visible, by units: the first names of their paths, of which one is that of the output folder."""
+    """Visible files, by units: the first names of their paths, of which one is that of the output folder."""
     units: dict[str, dict[str, tuple[str, int, bytes]]] = {}
     for path, file in visible(files).items():
         parts = PurePosixPath(path).parts
@@ -120,7 +120,7 @@ def _units(files: Tree, depth: int) -> dict[str, dict[str, tuple[str, int, bytes
 
 
 def wrong_end(end: End, before: Tree, now: Tree, whole: Tree, *, interrupted: bool) -> Iterator[str]:
-    """What is wrong with an exit code, with what was said, and with what was left after it."""
+    """Problems with an exit code, with what was said, and with what was left after it."""
     if end.signal:
         yield from ["does not end"] if end.signal < 0 else []
         return
@@ -136,7 +136,7 @@ def wrong_end(end: End, before: Tree, now: Tree, whole: Tree, *, interrupted: bo
 
 
 def _wrong_words(end: End) -> Iterator[str]:
-    """What is wrong with the form of what was said."""
+    """Problems with the form of what was said."""
     lines = end.err.count("\n")
     if end.code and (lines != 1 or not end.err.startswith("rsegen")):
         yield f"not one line on stderr, but {lines}: {end.err[-300:]!r}"
@@ -145,7 +145,7 @@ def _wrong_words(end: End) -> Iterator[str]:
 
 
 def _false_words(err: str, before: Tree, now: Tree, whole: Tree) -> Iterator[str]:
-    """What is not so, though a message says it: that nothing has changed, everywhere or at a place that it names."""
+    """Statements of messages that are not so: that nothing has changed, everywhere or at a place that it names."""
     named = _NAMED.match(err)
     if said := _UNCHANGED.search(err):
         place = "root/" + named[1].rpartition("/root/")[2] if named and said[2] else "root"

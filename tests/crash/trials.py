@@ -42,7 +42,7 @@ KINDS = {
     "stuck": 18,
     "dead": 6,
 }
-"""How often each is drawn: what happens at a call."""
+"""Weights of the draws of what happens at a call."""
 SECOND, TAKEN, RESERVED = "second run", "foreign in its place", "foreign hidden name"
 RUN_BY_NAME = {run.name: run for run in RUNS}
 _OTHERS = {SECOND: 12, TAKEN: 6, RESERVED: 3}
@@ -107,7 +107,7 @@ def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undi
 
 
 def problems(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, list[str]]:
-    """What was done in a trial, and what is wrong after it."""
+    """Description of a trial, and problems after it."""
     _empty(server.trial)
     _copied(alone.folder, server.trial)
     if trial.kind == SECOND:
@@ -147,7 +147,7 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
 def _judged(
     run: Run, alone: Undisturbed, now: Tree, before: Tree, *, gaps: bool = False, named: str = ""
 ) -> Iterator[str]:
-    """What is wrong with what is on disk after a run that was disturbed."""
+    """Problems with what is on disk after a run that was disturbed."""
     old, whole, found = (_of_root(files) for files in (alone.before, alone.whole, now))
     yield from neither_old_nor_new(found, old, whole, run.depth, gaps=gaps, named=named)
     yield from (f"outside: {line}" for line in differences(_outside(now), _outside(before)))
@@ -198,7 +198,7 @@ def _second_run(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, 
 
 
 def _wrong_second(second: End, before: Tree, now: Tree, *, early_or_late: bool) -> Iterator[str]:
-    """What is wrong with a second run; before the first holds the folder, and once it is done, it may succeed."""
+    """Problems with a second run; before the first holds the folder, and once it is done, it may succeed."""
     if second.signal < 0:
         yield "the second run does not end"
     elif second.code == 0:

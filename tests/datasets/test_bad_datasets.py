@@ -105,7 +105,7 @@ def test_several_recipes(refused: Refused) -> None:
 
 def test_an_existing_or_unfinished_data_set_is_refused(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
-    assert "set: a data set exists there already; use --resume" in refused(*MADE, "-o", "set")
+    assert "set: a data set exists already; use --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").unlink()
     assert "set: is not complete" in refused("info", "set#0")
     Path("set/.rsegen.jsonl").unlink()

@@ -33,7 +33,7 @@ if __name__ == "__main__":
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What is made without a cluster."""
+    """Files of a run without a cluster."""
     folder = tmp_path_factory.mktemp("whole")
     assert exit_code(*MANY, "--workers", "1", "-o", folder) == 0
     return contents(folder)

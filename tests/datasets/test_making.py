@@ -39,7 +39,7 @@ RECIPE = Recipe(
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What a run that nobody stops makes."""
+    """Files of a run that nobody stops."""
     folder = tmp_path_factory.mktemp("whole") / "set"
     assert exit_code(*MANY, "-o", folder) == 0
     return contents(folder)
@@ -284,7 +284,7 @@ def test_a_complete_data_set_is_listed_with_the_recipe_given_last(tmp_path: Path
 def test_force_replaces_a_data_set_if_nothing_else_is_in_its_folder(tmp_path: Path) -> None:
     make_dataset(RECIPE, tmp_path / "set", shard_maps=1)
     (tmp_path / "set" / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="a data set exists there already; use resume=True"):
+    with pytest.raises(OutputError, match="a data set exists already; use resume=True"):
         make_dataset(RECIPE, tmp_path / "set")
     before = snapshot(tmp_path)
     with pytest.raises(OutputError, match=r"thesis\.tex: was not written by rsegen"):

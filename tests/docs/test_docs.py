@@ -1,4 +1,4 @@
-"""What the documents say can be done is done."""
+"""Everything that the documents say can be done is done."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Program(NamedTuple):
 
 
 def steps(page: Path) -> Iterator[Program | tuple[str, str]]:
-    """What a reader does on a page, in order: run a program, or save a file, which begins with its name as `# NAME`."""
+    """Steps of a reader on a page, in order: run a program, or save a file, which begins with its name as `# NAME`."""
     fences = r"^```(bash|python|yaml|csv|text)\n(.*?)^```$"
     found = re.findall(fences, page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
     for (language, content), (next_language, printed) in pairwise([*found, ("", "")]):

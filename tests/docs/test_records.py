@@ -40,7 +40,7 @@ def test_every_record_carries_the_state_of_all_code_that_makes_it() -> None:
 
 
 def test_the_pages_say_which_figures_are_older_than_the_code_that_makes_them() -> None:
-    """If it fails, figures have become older, or were measured again: `python -m docs.generate` says so there."""
+    """Failure means that figures have become older, or were measured again: `python -m docs.generate` says so there."""
     dated = records.dates("2000-01-01")
     aged = records.older(dated)
     lines = (DOCS / "records.md").read_text("utf-8").splitlines()

@@ -1,4 +1,4 @@
-"""What scripts/release makes of README.md and pyproject.toml; `make package` has the wheel."""
+"""Results of scripts/release for README.md and pyproject.toml; `make package` has the wheel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What parts of robots touched, of contacts that are known by heart."""
+"""Touched parts of robots, of contacts that are known by heart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is measured on tracks that are known by heart, and what no track may hide."""
+"""Metrics of tracks that are known by heart, and incidents that no track may hide."""
 
 from __future__ import annotations
 

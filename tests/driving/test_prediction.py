@@ -72,7 +72,7 @@ def straight(scene: Scene, robot: str = "burger") -> Prediction:
 
 
 def ends_early(run: RobotRun, v: float, w: float) -> bool:
-    """Whether the drive of a robot that goes on and turns so, m/s and rad/s, ends within ten seconds."""
+    """Return whether the drive of a robot that goes on and turns so, m/s and rad/s, ends within ten seconds."""
     route = until_decided(run).route()
     times = np.arange(0, 10, route.period)
     return any(route.is_done(replace(run.start, x=run.start.x + v * t, yaw=run.start.yaw + w * t)) for t in times)

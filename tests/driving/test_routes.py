@@ -22,7 +22,7 @@ def wandering(seed: int = 1) -> Wandering:
 
 
 def followed(route: Route, at: Pose, turns: int) -> Iterator[Pose]:
-    """Where an ideal robot on level ground comes to."""
+    """End of an ideal robot's route on level ground."""
     for _ in range(turns):
         v, w = route.motion(at)
         step = route.period / 50

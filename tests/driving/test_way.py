@@ -36,7 +36,7 @@ def followed(route: Route, start: Pose, seconds: float) -> list[tuple[float, flo
 
 
 def off_line(place: tuple[float, float], points: np.ndarray) -> float:
-    """How far a place is from a line of points, metres."""
+    """Distance of a place from a line of points, metres."""
     least = inf
     for one, other in pairwise(points):
         along = other - one

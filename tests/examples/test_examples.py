@@ -291,7 +291,7 @@ def test_go1_s_motors_and_its_stance_are_those_of_mjlab(mjlab: Path, monkeypatch
     model = example["robot"]().compile()
 
     class Values(SimpleNamespace):
-        """What mjlab's classes of settings are given."""
+        """Values that mjlab's classes of settings are given."""
 
     package, actuator, entity = (ModuleType(name) for name in ("mjlab", "mjlab.actuator", "mjlab.entity"))
     package.__path__, package.MJLAB_SRC_PATH = [str(mjlab)], mjlab  # type: ignore[attr-defined]

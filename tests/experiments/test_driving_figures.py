@@ -1,4 +1,4 @@
-"""What robots on known ways have driven, and what they have been over."""
+"""Distances of robots on known ways, and cells that they have been over."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
@@ -10,17 +11,19 @@ from typing import Any
 
 import pytest
 
+import rsegen
 from rsegen import build, load
-from rsegen.errors import ParameterError, UserError
+from rsegen.errors import NoSpot, ParameterError, UserError
 from rsegen.experiments.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
 from rsegen.experiments.report import published_figures
 from rsegen.experiments.run import _robot_files
 from rsegen.experiments.trial import refuse_undrivable
-from rsegen.experiments.trial_server import runs_of_row
+from rsegen.experiments.trial_server import runs_of_row, trial_server
 from rsegen.field.steps import steps
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.scene.scene import compose
+from rsegen.simulators.embedded import EMBEDDED
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
 
@@ -78,6 +81,10 @@ def test_larger_worlds_have_every_kind_for_every_pallet_along_a_side_and_frames_
                 assert (field.levels != build(row.map_of(size, seed=2)).levels).any()
 
 
+def test_one_size_of_a_row_may_be_a_bare_number() -> None:
+    assert [size + 0 for size in TableRow(sizes=10).sizes] == [10]
+
+
 def test_a_single_obstacle_is_on_ten_blocks() -> None:
     with pytest.raises(ParameterError, match="sizes: 20: a single peak is on 10 x 10 blocks"):
         TableRow(maps="peak", sizes=(10, 20))
@@ -95,6 +102,23 @@ def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_a
     with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found spots for \d of 9"):
         refuse_undrivable(read_plan("crowd", {"rows": rows}))
     refuse_undrivable(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
+
+
+def test_an_experiment_with_too_many_robots_names_the_file_and_the_row_in_it(tmp_path: Path) -> None:
+    plan = tmp_path / "crowd.yaml"
+    plan.write_text("rows: [{sizes: [0], simulator: mujoco}, {robots: 99, sizes: [10]}]\n")
+    place = re.escape(f"{plan}: rows[1].robots: found spots for ")
+    with pytest.raises(NoSpot, match=f"^{place}"):
+        rsegen.experiment(plan, tmp_path / "out", simulator=["mujoco"])
+    with pytest.raises(NoSpot, match=r"^rows\[1\].robots: found spots for "):
+        rsegen.experiment(load_plan(str(plan)), tmp_path / "out", simulator=["mujoco"])
+
+
+def test_a_larger_map_without_room_names_the_row_and_its_size() -> None:
+    plan = read_plan("crowd", {"rows": [{"robots": 99, "sizes": [10], "simulator": "mujoco"}]})
+    server = trial_server(plan, plan.cells[0], 1, EMBEDDED["mujoco"], lambda: None)
+    with pytest.raises(NoSpot, match=r"^row 1, 10, real: robots: found spots for "), server:
+        pass
 
 
 @pytest.mark.parametrize("rows", [load_plan("driven").rows, load_plan("quick").rows, (TableRow(),)])

@@ -1,4 +1,4 @@
-"""What a trial says of its server: how often it was started, and whether it had the processors that it would use."""
+"""Report of a trial on its server: how often it was started, and whether it had the processors that it would use."""
 
 from __future__ import annotations
 

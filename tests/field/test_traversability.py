@@ -1,4 +1,4 @@
-"""What a robot can do, held to scipy's graphs and to fields small enough to be walked by eye."""
+"""Traversability for a robot, held to scipy's graphs and to fields small enough to be walked by eye."""
 
 from __future__ import annotations
 
@@ -179,7 +179,7 @@ def test_a_better_climber_reaches_every_cell_that_another_reaches(found: StepFie
 
 @given(fields(), CLIMBERS)
 def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: StepLimits) -> None:
-    """What was west-east is south-north then: x has become y."""
+    """West-east becomes south-north: x has become y."""
     assume(not found.frame.all())
     one, other = traversability(found, climber), traversability(turned(found), climber)
     assert one.west_east.cost == pytest.approx(other.south_north.cost)

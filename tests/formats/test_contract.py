@@ -1,4 +1,4 @@
-"""What every format keeps to: a new file is tested here the moment it exists."""
+"""Contract of all formats: a new file is tested here the moment it exists."""
 
 from __future__ import annotations
 

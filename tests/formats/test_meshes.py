@@ -29,7 +29,7 @@ def content(name: str, scene: Scene) -> bytes:
 
 
 def loaded(name: str, scene: Scene) -> Any:
-    """What trimesh reads, its equal corners welded, with z up."""
+    """Mesh that trimesh reads, its equal corners welded, with z up."""
     found: Any = trimesh.load(io.BytesIO(content(name, scene)), file_type=name)
     if name == "glb":
         found = found.to_mesh()

@@ -40,7 +40,7 @@ def compiled(folder: Path, file: str = "scene.xml") -> tuple[Any, Any]:
 
 
 def seen_from_above(model: Any, state: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """How high a ray straight down ends near each place of x times y, on what can be touched.
+    """Height at which a ray straight down ends near each place of x times y, on what can be touched.
 
     A ray that goes exactly through the edge between two triangles of a height field may slip through.
     """

@@ -1,4 +1,4 @@
-"""What several formats are made of rebuilds the field, whatever it is."""
+"""Parts of several formats rebuild the field, whatever it is."""
 
 from __future__ import annotations
 

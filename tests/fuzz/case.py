@@ -14,7 +14,7 @@ from typing import Any, Literal, TypeAlias
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Special:
-    """What a folder can hold beside plain files."""
+    """Entries of a folder that are no plain files."""
 
     kind: Literal["folder", "fifo", "link"]
     target: str = ""

@@ -122,7 +122,7 @@ RAWS = (
     *('{"a":' * 2000 + "1" + "}" * 2000, "[" + "1," * 20_000 + "1]", '"' + "x" * 200_000 + '"', "01", "+1", ".5", "5."),
     *("{", "}", "[", "]", ",", ":", '"', "'", "//", "undefined", '{"a":1,"a":2}', "[1,]", "1 2", "- 1", "? x", "\t"),
 )
-"""What may stand in JSON, and in the flow style of YAML, or may not."""
+"""Values that may stand in JSON, and in the flow style of YAML, or may not."""
 YAML_RAWS = (
     *(
         "!!binary aGVsbG8=",

@@ -35,7 +35,7 @@ SILENCE = 120
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Failure:
-    """What is wrong with what a case did; `sort` is the same for cases that fail alike."""
+    """Problem of a case; `sort` is the same for cases that fail alike."""
 
     sort: str
     detail: str
@@ -43,7 +43,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Ended:
-    """How a case ended: exit code, what it printed, the error that it ended by, what else it did."""
+    """End of a case: exit code, what it printed, the error that it ended by, what else it did."""
 
     code: object
     out: str
@@ -104,7 +104,7 @@ class Judge:
         building.framed = counted
 
     def failure(self, case: Case) -> Failure | None:
-        """What is wrong with what a case does; None if nothing is. If it hangs where Python is not asked, all ends."""
+        """Problem of a case; None if there is none. If it hangs where Python is not asked, all ends."""
         faulthandler.dump_traceback_later(SILENCE, exit=True, file=self._streams[0])
         return self._in_fork(case) if case.forked else self._here(case)
 
@@ -212,7 +212,7 @@ def _unreadable(ended: _Ended) -> Failure | None:
 
 
 def _wrote(case: Case, ended: _Ended, before: Mapping[str, object], after: Mapping[str, object]) -> Failure | None:
-    """What changed that should not have: anything if it was refused, else what is no output, or was left half done."""
+    """Changes that should not be: anything if it was refused, else what is no output, or was left half done."""
     changed = [name for name in {*before, *after} if before.get(name) != after.get(name)]
     outputs = () if ended.code == 2 else tuple(os.path.normpath(name) for name in case.outputs)
     journals = {os.path.join(os.path.dirname(one), JOURNAL) for one in outputs}

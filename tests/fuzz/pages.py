@@ -51,7 +51,7 @@ _SELDOM = {"hello", "example_maps", "close", "crossing", "reach", "way", "tilt",
 
 
 class Wrong(AssertionError):
-    """What the server did that it must not do."""
+    """Error of a server that does what it must not do."""
 
 
 class _NoJobs(Jobs):

@@ -89,7 +89,7 @@ def _scan_field(name: str) -> None:
 
 
 def open_sockets() -> int:
-    """How many sockets this process has."""
+    """Number of sockets that this process has."""
     folder = Path("/proc/self/fd")
     return sum(
         os.readlink(folder / name).startswith("socket:") for name in os.listdir(folder) if (folder / name).exists()

@@ -70,7 +70,7 @@ def _worker(numbers: range, report: Report) -> subprocess.Popen[str]:
 
 @dataclass
 class Report:
-    """How often each sort of failure was found, with its first example; and how many cases were run."""
+    """Number of failures of each sort, with the first example; and number of cases that were run."""
 
     seed: int
     family: str | None
@@ -82,7 +82,7 @@ class Report:
     lock: Any = field(default_factory=Lock)
 
     def take(self, said: dict[str, Any]) -> None:
-        """What a process says of a case: that it begins, or how it failed."""
+        """Take what a process says of a case: that it begins, or how it failed."""
         with self.lock:
             if "sort" in said:
                 self._add(said["sort"], said["detail"], said["case"], said["at"])

@@ -52,13 +52,13 @@ class Exceeded(BaseException):
 
 
 class Sandbox:
-    """What happens in this process, inside a folder."""
+    """Record of what happens in this process, inside a folder."""
 
     def __init__(self, root: Path) -> None:
         self._root = f"{os.path.realpath(root)}{os.sep}"
         self._watching = False
         self.may_connect = False
-        """Whether the case speaks with servers of its own."""
+        """True if the case speaks with servers of its own."""
         self.amiss: list[str] = []
         self.maps = 0
         """Built in this case so far; whoever builds them counts."""
@@ -117,7 +117,7 @@ class Sandbox:
 
 
 def _whole(path: Any, folder: int) -> str:
-    """Where something is that is itself not followed if it is a link."""
+    """Path of something that is itself not followed if it is a link."""
     if isinstance(path, int):
         return os.path.realpath(f"/proc/self/fd/{path}")
     base = "." if folder < 0 else f"/proc/self/fd/{folder}"

@@ -155,7 +155,7 @@ def test_boxes_rebuild_the_map_each_of_one_friction(scene: Scene) -> None:
 
 
 def grips(scene: Scene) -> np.ndarray:
-    """What the recipe says of each cell."""
+    """Friction of each cell by the recipe."""
     recipe, field = scene.recipe, scene.field
     known = [recipe.friction, *(recipe.level_friction or ())]
     of_level = np.array([known[level] if level < len(known) else recipe.friction for level in range(40)])

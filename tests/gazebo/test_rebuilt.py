@@ -1,4 +1,4 @@
-"""What is seen equals what is hit: the field rebuilt from the visuals, and from the collisions, of the exported files.
+"""Visuals equal collisions: the field rebuilt from the visuals, and from the collisions, of the exported files.
 
 For every look, mesh type, mesh and collision shape. A vertical line through the solid shapes of a world is as long
 inside them as the block there is high, and ends at its top; five lines go through every cell.
@@ -24,7 +24,7 @@ CHOICES = ("look", "mesh", "collision")
 LIFT = 2e-5
 """Metres; for Gazebo Classic alone collisions are 10 micrometres higher than visuals."""
 LINES = ((0.0137, -0.0071), (-0.4931, -0.4817), (-0.4779, 0.4937), (0.4873, -0.4691), (0.4949, 0.4807))
-"""Where in a cell, from its middle, in block widths: odd numbers, so no line goes through an edge of two triangles."""
+"""Places in a cell, from its middle, in block widths: odd numbers, so no line goes through an edge of two triangles."""
 BOX = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 BOX_FACES = np.array([[0, 6, 4], [0, 2, 6], [1, 5, 7], [1, 7, 3]])
 """The faces below and above, which alone meet vertical lines; counter-clockwise as seen from outside."""
@@ -87,7 +87,7 @@ def check_rebuilt(scene: Scene) -> None:
 
 
 def rebuilt(scene: Scene, files: Mapping[str, bytes], name: str, tag: str) -> tuple[np.ndarray, np.ndarray]:
-    """Where the lines leave the shapes, and how long they are inside; metres, (n_x, n_y, lines)."""
+    """Heights at which lines leave the shapes, and lengths inside; metres, (n_x, n_y, lines)."""
     triangles = np.concatenate([*world_triangles(files, name, tag), np.zeros((0, 3, 3))])
     middle_x, middle_y = ((edges[:-1] + edges[1:]) / 2 for edges in scene.field.edges())
     aside_x, aside_y = np.array(LINES).T * scene.field.block_width
@@ -132,7 +132,7 @@ def obj_triangles(text: str) -> np.ndarray:
 
 
 def position(element: ET.Element) -> np.ndarray:
-    """Where an element is in its parent; none of ours is turned."""
+    """Place of an element in its parent; none of ours is turned."""
     x, y, z, *turn = (float(number) for number in (element.findtext("pose") or "0 0 0 0 0 0").split())
     assert turn == [0, 0, 0]
     return np.array([x, y, z])

@@ -1,4 +1,4 @@
-"""What is seen and what is touched of a map, in every combination that a recipe may ask for."""
+"""Visuals and collisions of a map, in every combination that a recipe may ask for."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from tests.support.strategies import fields
 
 
 def stacked(found: Boxes, field: StepField) -> np.ndarray:
-    """How many boxes are at every place between lines: (n_x, n_y, heights)."""
+    """Number of boxes at every place between lines: (n_x, n_y, heights)."""
     heights = np.unique(np.append(field.heights, 0.0))
     lines = (*field.edges(), heights)
     counts = np.zeros([len(line) - 1 for line in lines], dtype=int)

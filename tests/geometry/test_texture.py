@@ -73,7 +73,7 @@ def test_the_grain_of_frames_runs_along_them() -> None:
 
 
 def test_coordinates_do_not_grow_with_the_map() -> None:
-    """So a mesh of many blocks has few of them."""
+    """A mesh of many blocks has few of them."""
     recipe = RECIPES["no frames, blocks of 8.5 cm"]
     field = compose(type(recipe)(seed=1, chunk_size=60, boundary="none", obstacles=recipe.obstacles)).field
     found = texture_coordinates(surface(field), field)

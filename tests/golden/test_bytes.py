@@ -253,7 +253,7 @@ CASES: Mapping[str, Case] = dict(
 )
 
 LEFT_OUT = {"recipe.json", "formats.json", "manifest.json", ".rsegen.jsonl"}
-"""What makes a map again, which has the version of rsegen in it and may have new words, and the checksums of it."""
+"""Files that make a map again, with rsegen's version and perhaps new words, and the checksums of them."""
 
 _RECIPE_TEXT = re.compile(rb'\n  "(generator": "[^"]*"|recipe": \{.*?\n  \}),?', re.DOTALL)
 """The same among the facts of arrays, heightmap and posture."""
@@ -303,7 +303,7 @@ _CONTENTS: Mapping[str, Callable[[Path], bytes]] = {
     ".png": _pixels,
     ".usdc": _usd_text,
 }
-"""What counts of a file, by the end of its name; of all others it is every byte. Other libraries write MAT, PLY, STL
+"""Parts of files that count, by the ends of names; of all others every byte. Other libraries write MAT, PLY, STL
 and USDA too, but nothing there tells their versions.
 """
 

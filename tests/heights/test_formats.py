@@ -136,7 +136,10 @@ def test_heights_may_be_metres_and_may_be_rounded(tmp_path: Path) -> None:
     assert levels_of(imported(written(tmp_path, "0.1,0.3,0.7\n"), Table(values="m"))).ravel().tolist() == [1, 3, 7]
 
 
-@pytest.mark.parametrize("array", [np.zeros(3), np.array([["a"]]), np.zeros((2, 2), dtype=complex), np.zeros((0, 2))])
+ODD_ARRAYS = [np.zeros(3), np.array([["a"]]), np.zeros((2, 2), dtype=complex), np.zeros((0, 2)), np.zeros((4, 3, 1))]
+
+
+@pytest.mark.parametrize("array", ODD_ARRAYS)
 def test_an_array_without_two_axes_of_numbers_is_refused(array: np.ndarray, tmp_path: Path) -> None:
     np.save(tmp_path / "odd.npy", array)
     with pytest.raises(FileError, match=r"odd\.npy"):

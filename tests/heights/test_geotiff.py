@@ -1,4 +1,4 @@
-"""What the tags of images say of their pixels: which way up they are, their heights, and which have no data."""
+"""Tags of images, and what they say of pixels: which way up they are, their heights, and which have no data."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def _points(count: int, seed: int = 0) -> np.ndarray:
 
 
 def _rays(model: Any, points: np.ndarray) -> Iterator[tuple[float, float]]:
-    """How high rays straight down end, and the friction coefficient of the geom there."""
+    """Heights at which rays straight down end, and the friction coefficient of the geom there."""
     data, geom = mujoco.MjData(model), np.zeros(1, dtype=np.int32)
     mujoco.mj_forward(model, data)
     for point in points:

@@ -52,7 +52,7 @@ class SubTerrainBaseCfg:
 
 
 CLONES: dict[str, Callable[[Any], Any]] = {"2.3": lambda cfg: cfg.copy(), "3.0": replace}
-"""How a generator copies the configuration of a sub-terrain for each tile."""
+"""Copy, by a generator, of the configuration of a sub-terrain for each tile."""
 
 
 @dataclass

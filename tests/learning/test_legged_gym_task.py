@@ -52,7 +52,7 @@ def _robot(spec: Any, world: int) -> None:
 
 
 class Gym:
-    """What legged_gym asks of Isaac Gym, by MuJoCo; what is not here does nothing."""
+    """Functions that legged_gym asks of Isaac Gym, by MuJoCo; what is not here does nothing."""
 
     def __init__(self, step: float) -> None:
         spec = mujoco.MjSpec()

@@ -61,7 +61,7 @@ def _compiled(mjlab: Any, own: dict[str, Any] | None = None, **values: Any) -> t
 
 
 def _height(model: Any, state: Any, x: float, y: float) -> tuple[float, int]:
-    """How high a ray straight down ends, and on which geom."""
+    """Height at which a ray straight down ends, and its geom."""
     geom = np.zeros(1, dtype=np.int32)
     way = mujoco.mj_ray(model, state, [x + 1e-5, y + 2e-5, 5.0], [0, 0, -1], None, 1, -1, geom)
     return 5.0 - way, int(geom[0])

@@ -66,7 +66,7 @@ def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: 
 
 
 def depths_in_mujoco(model: Any, qpos: Any, hfield: Any, z: Any) -> dict[str, tuple[float, Any]]:
-    """How deep each foot is in the floor of a world, metres, and where it touches it, as MuJoCo finds it."""
+    """Depth of each foot in the floor of a world, metres, and where it touches it, as MuJoCo finds it."""
     own = copy(model)
     own.hfield_data[:], own.geom("floor").pos[2] = hfield, z
     data = mujoco.MjData(own)

@@ -24,7 +24,7 @@ TRUE = GROUND.scan(PATTERN, POSES)
 
 
 def _seen(sensor: ScanSensor, times: int = 1, seed: int = 0) -> np.ndarray:
-    """What is seen at so many calls from the same poses, (times, WORLDS, points)."""
+    """Points that are seen at a number of calls from the same poses, (times, WORLDS, points)."""
     state, rng, seen = sensor.start(GROUND, POSES), np.random.default_rng(seed), []
     for _ in range(times):
         own, state = sensor.sense(GROUND, POSES, state, rng)

@@ -70,7 +70,7 @@ def _model(text: str, grid: BlockGrid) -> Any:
 
 
 def _depths(model: Any, grid: BlockGrid, levels: np.ndarray, qpos: np.ndarray) -> np.ndarray:
-    """How deep each contact of a robot with the blocks is."""
+    """Depth of each contact of a robot with the blocks."""
     grid.write(model, levels)
     data = mujoco.MjData(model)
     data.qpos[:] = qpos

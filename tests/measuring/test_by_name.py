@@ -16,7 +16,7 @@ from tests.support.strategies import fields
 
 LIMITS = StepLimits(climb_cm=15, width_cm=20)
 NOT_MEASURED = ("steps.unit", "_is_weak", "ruggedness.cells", "reach.limits.", ".crosses", ".reason", ".at")
-"""What the table has beside figures by which maps may be ordered."""
+"""Columns of the table besides figures by which maps may be ordered."""
 
 
 @given(fields())

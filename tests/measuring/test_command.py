@@ -32,7 +32,7 @@ def maps(tmp_path: Path) -> Path:
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """What a command that succeeds prints; it says nothing on stderr."""
+    """Output of a command that succeeds; it says nothing on stderr."""
     capsys.readouterr()
     assert main(["metrics", *map(str, arguments)]) == 0
     out, err = capsys.readouterr()
@@ -62,7 +62,7 @@ LOW = ("--obstacle", "random levels=2", "--unit-cm", "1", "--boundary", "none", 
 
 
 def test_a_page_begins_with_what_a_person_came_for(capsys: pytest.CaptureFixture[str]) -> None:
-    """How rough the map is, or whether the robot gets across; then an empty line, and all figures."""
+    """First the roughness of the map, or whether the robot gets across; then an empty line, and all figures."""
     _, rough, climb, empty, *_ = printed(capsys, "peak").splitlines()
     assert rough == "Blocks are 0 to 40 cm high; neighbours differ by 5.33 cm on average, by 40 cm at most."
     assert climb == "To cross it, a robot must climb steps of 10 cm west to east and 10 cm south to north."

@@ -1,4 +1,4 @@
-"""What holds for the metrics of every field, and fields small enough to be worked out by hand."""
+"""Properties of the metrics of every field, and fields small enough to be worked out by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said where MuJoCo is missing, too old, or taken away."""
+"""Messages if MuJoCo is missing, too old, or taken away."""
 
 from __future__ import annotations
 

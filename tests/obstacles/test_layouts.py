@@ -1,4 +1,4 @@
-"""What is laid out block by block: equal steps, even slopes, gaps as wide and pits as deep as asked, rings, boxes."""
+"""Kinds laid out block by block: equal steps, even slopes, gaps as wide and pits as deep as asked, rings, boxes."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def test_a_small_pallet_of_very_many_levels_is_made_in_a_bounded_time() -> None:
 
 
 def limits_of_failures(limits: _Limits, pallets: int, least: int, top: int, posts: int) -> list[list[int]]:
-    """What is tried for each pallet if only the last limit gives an order."""
+    """Limits that are tried for each pallet if only the last limit gives an order."""
     return [list(limits.of_a_pallet(least, top, posts)) for _ in range(pallets)]
 
 

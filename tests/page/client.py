@@ -1,4 +1,4 @@
-"""What asks a server of the page: requests as they are, and the events that a page hears."""
+"""A client of a server of the page: requests as they are, and the events that a page hears."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Reply:
 
     @property
     def failure(self) -> dict[str, str]:
-        """What went wrong, as the page gets it."""
+        """Error as the page gets it."""
         found: dict[str, str] = self.json()["error"]
         return found
 

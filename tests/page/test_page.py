@@ -153,12 +153,12 @@ return JSON.stringify([
   [document.querySelectorAll("details[open]").length, document.querySelectorAll(":popover-open").length],
   [String(window.fetch), scrollX, scrollY, document.body.innerText],
 ]).replace(/\\d+/g, "0")"""
-"""What a page shows and what it keeps, but for numbers."""
+"""State of a page, shown and kept, but for numbers."""
 
 
 @pytest.fixture(scope="module")
 def untouched() -> list[str]:
-    """What the last page that was loaded looked like, if that was one with a new recipe."""
+    """State of the last page that was loaded, if that was one with a new recipe."""
     return []
 
 

@@ -1,4 +1,4 @@
-"""What the server answers is of the types of which the page's protocol.ts is made."""
+"""Answers of the server are of the types of which the page's protocol.ts is made."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pages are told of robots on a map is what rsegen.poses, its reach and its ways say."""
+"""Answers to pages about robots on a map are what rsegen.poses, its reach and its ways say."""
 
 from __future__ import annotations
 
@@ -315,7 +315,7 @@ def test_a_page_is_told_how_surely_a_robot_gets_across(host: Host, monkeypatch: 
     made = list[Mapping[str, Prediction]]()
 
     def predicted(robot: object, scene: Scene) -> Mapping[str, Prediction]:
-        """What is predicted, kept, as the drives take seconds."""
+        """Prediction that is kept, as the drives take seconds."""
         assert robot == ROBOTS["jackal"]
         assert scene.field == rsegen.build(low)
         made.append(predictions(robot, scene))

@@ -134,7 +134,7 @@ def _start(browser: Chrome) -> None:
 
 
 def _run(browser: Chrome, view: str, script: str, *args: object) -> Any:
-    """What a script returns that knows `view`, `said` and `send`."""
+    """Return the result of a script that knows `view`, `said` and `send`."""
     return browser.execute_script(f"const {{ said, send, {view}: view }} = window.rsegen; {script}", *args)
 
 
@@ -160,7 +160,7 @@ def _drag(browser: Chrome, view: str, *pixels: list[float], drop: bool = True) -
 
 
 def _pixel(browser: Chrome, view: str, cell: tuple[int, int]) -> list[float]:
-    """Where the top of a cell of blocks is seen."""
+    """Pixel at which the top of a cell of blocks is seen."""
     found: list[float] = _run(browser, view, "return view.pixelOf(...arguments[0])", [at + FRAME for at in cell])
     return found
 

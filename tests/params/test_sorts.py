@@ -34,7 +34,7 @@ PARAMETER = pytest.mark.parametrize(("owner", "name"), EVERY, ids=[".".join(one)
 
 
 def refusal(parameter: Parameter, value: object) -> str:
-    """What a parameter of the name `here` says of a value; empty if it takes it."""
+    """Message of a parameter of the name `here` on a value; empty if it takes it."""
     try:
         parameter.check("here", value)
     except ParameterError as error:

@@ -1,4 +1,4 @@
-"""What a camera sees of triangles: places, what hides what, shadows, and what moves."""
+"""Pictures of triangles by a camera: places, what hides what, shadows, and what moves."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def image(recipe: Recipe) -> Image.Image:
 
 
 def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
-    """How much of a picture has a colour, about."""
+    """Share of a picture that has about a colour."""
     pixels = np.asarray(found.convert("RGB")).astype(float) / 255
     return float((np.abs(pixels - colour).max(axis=2) < 0.02).mean())
 

@@ -25,7 +25,7 @@ if __name__ == "__main__":
 
 
 def install(folder: Path, version: str = "1.2") -> Path:
-    """What pip makes of the package in a folder of packages: its modules, and a folder of metadata."""
+    """Install the package into a folder of packages as pip does: its modules, and a folder of metadata."""
     shutil.copytree(DEMO / "rsegen_demo", folder / "rsegen_demo", dirs_exist_ok=True)
     declare(folder, "rsegen-demo", version, entry_points())
     return folder
@@ -42,7 +42,7 @@ def declare(folder: Path, name: str, version: str, offers: str) -> None:
 
 
 def entry_points() -> str:
-    """What the package's pyproject.toml says of them, in the words of entry_points.txt."""
+    """Entry points of the package's pyproject.toml, in the words of entry_points.txt."""
     text = (DEMO / "pyproject.toml").read_text("utf-8")
     sections = re.findall(r'^\[project\.entry-points\."([^"]+)"\]\n((?:.+\n)+)', text, re.MULTILINE)
     return "\n".join(f"[{group}]\n{rows}" for group, rows in sections).replace('"', "")
@@ -60,7 +60,7 @@ def run(
 
 
 def done(*arguments: str | Path, packages: Path | None = None, code: str = "", **environment: str) -> str:
-    """What it printed, if all went well and nothing was to be warned of."""
+    """Return what it printed, if all went well without a warning."""
     found = run(*arguments, packages=packages, code=code, **environment)
     assert (found.returncode, found.stderr) == (0, ""), found
     return found.stdout

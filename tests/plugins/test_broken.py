@@ -32,6 +32,7 @@ class Dune(Region):
     def drawn(self, uniform):
         return (uniform * self.levels).astype("int16")
 '''
+NO_SORT = "is annotated with 'x', which is no sort of values; use one of rsegen.params.sorts, as in Annotated[int, "
 BROKEN = {
     "ImportError: No module named 'sand'": "raise ImportError(\"No module named 'sand'\")",
     "AttributeError: module 'dunes1' has no attribute 'Dune'": "pass",
@@ -48,6 +49,7 @@ BROKEN = {
     "the parameter 'grain' has no help": GOOD.replace(
         '"dune"\n', '"dune"\n    grain: Annotated[int, Integer(1, 2)] = 1\n'
     ),
+    f"the parameter 'grain' {NO_SORT}": GOOD.replace('"dune"\n', '"dune"\n    grain: Annotated[str, "x"] = "a"\n'),
 }
 
 
@@ -111,6 +113,15 @@ def test_a_metric_that_fails_is_named(tmp_path: Path) -> None:
     assert "metric steep: ZeroDivisionError: division by zero" in refused("metrics", "peak", packages=tmp_path)
 
 
+def test_a_metric_with_a_name_of_rsegen_s_own_is_refused_with_all_of_these(tmp_path: Path) -> None:
+    source = 'import rsegen\n\n@rsegen.metric("m")\ndef spread(field):\n    """Spread."""\n    return 1.0\n'
+    installed(tmp_path, source, "[rsegen.metrics]\nspread = dunes:spread\n")
+    found = run("metrics", "peak", packages=tmp_path)
+    names = "map, opening, plane, predictions, reach, ruggedness, scale, seed, spectrum, spread, steps"
+    problem = f"(dunes:spread): a metric cannot be named 'spread', as rsegen's own are {names}; it is left out\n"
+    assert (found.returncode, found.stderr) == (0, f"rsegen: warning: plug-in 'spread' of sandbox 0.3 {problem}")
+
+
 FORMAT = '''
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
@@ -136,6 +147,7 @@ class Dune(Format):
     [
         ("force", "the parameter 'force' has a reserved name"),
         ("values", "the parameter 'values' has a reserved name"),
+        ("index", "the parameter 'index' has a reserved name"),
         ("pixels", "the parameter 'pixels' exists already, with other values"),
     ],
 )
@@ -147,10 +159,38 @@ def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str
     assert "dune\n" not in found.stdout
 
 
+IMPORTER = '''
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from rsegen.heights.base import Importer
+from rsegen.params.sorts import Integer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dune(Importer):
+    """Sand."""
+
+    name: ClassVar[str] = "dune"
+    suffixes: ClassVar[tuple[str, ...]] = (".dune",)
+    quiet: Annotated[int, Integer(1, 2, help="x")] = 1
+
+    def read(self, path, unit_cm):
+        raise NotImplementedError
+'''
+
+
+def test_an_option_of_an_importer_that_clashes_with_a_flag_of_commands_is_named(tmp_path: Path) -> None:
+    installed(tmp_path, IMPORTER, "[rsegen.importers]\n.dune = dunes:Dune\n")
+    found = run("import", "--help", packages=tmp_path)
+    assert found.returncode == 0
+    assert "the parameter 'quiet' has a reserved name; rename it; it is left out" in found.stderr
+
+
 def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
-    from rsegen.formats.base import READING
     from rsegen.heights.base import IMPORTERS
     from rsegen.params.sorts import parameters
+    from rsegen.writing.sidecars import READING
 
     obstacles = importlib.import_module("rsegen.obstacles.base")
     assert {"kind", "first", "last", "blend", "key", "enabled"} == obstacles.RESERVED
@@ -227,6 +267,108 @@ def test_a_broken_capability_does_not_stop_commands_of_rsegen(fields: str, compl
     assert found.stderr.startswith(f"rsegen: warning: {NAMED}{complaint}")
     assert found.stderr.endswith("; it is left out\n")
     assert found.stderr.count("\n") == 1
+
+
+SIDECAR = '''
+from typing import Annotated
+from rsegen.params.command import Shell
+from rsegen.params.sorts import Flag
+from rsegen.writing.sidecars import Sidecar
+
+
+class Sand(Sidecar):
+    """Sand."""
+
+    name = "NAME"
+    parameter = ANNOTATION
+
+    def files(self, scene):
+        return {}
+
+    def are_in(self, home):
+        return True
+
+
+class Mud(Sand):
+    """Mud."""
+'''
+SWITCH = "Annotated[bool, Flag(help='add sand')]"
+CLASH = "which is a parameter or a flag of rsegen; rename it"
+
+
+@pytest.mark.parametrize(
+    ("name", "annotation", "complaint"),
+    [
+        *(
+            (name, SWITCH, f"has the name {name!r}, {CLASH}")
+            for name in ("json", "obstacle", "preview", "seed", "beside")
+        ),
+        ("sand", "Annotated[bool, Flag(help='add sand'), Shell(('--quiet',))]", f"has the name 'quiet', {CLASH}"),
+        ("sand", "Annotated[bool, 'x']", f"the parameter 'sand' {NO_SORT}"),
+        ("sand", "bool", "has no name, or its parameter is no annotated type"),
+    ],
+)
+def test_a_sidecar_that_clashes_with_a_flag_is_left_out(
+    name: str, annotation: str, complaint: str, tmp_path: Path
+) -> None:
+    source = SIDECAR.replace("NAME", name).replace("ANNOTATION", annotation)
+    packages = declaring(tmp_path, "sidecars=('dunes.sand:Sand',)", source)
+    found = run("generate", "peak", "-o", tmp_path / "worlds", packages=packages)
+    assert (found.returncode, found.stderr.count("\n")) == (0, 1), found
+    assert found.stderr.startswith(f"rsegen: warning: {NAMED}")
+    assert complaint in found.stderr
+    assert (tmp_path / "worlds" / "peak_0000" / "peak_0000.world").is_file()
+
+
+def test_of_two_sidecars_with_one_name_the_first_is_taken(tmp_path: Path) -> None:
+    source = SIDECAR.replace("NAME", "sand").replace("ANNOTATION", SWITCH)
+    packages = declaring(tmp_path, "sidecars=('dunes.sand:Sand', 'dunes.sand:Mud')", source)
+    found = run("generate", "peak", "--sand", "-o", tmp_path / "worlds", packages=packages)
+    problem = "dunes.sand:Mud has the name 'sand', which is taken by dunes.sand:Sand; it is left out"
+    assert (found.returncode, found.stderr) == (0, f"rsegen: warning: {NAMED}{problem}\n")
+
+
+def test_no_name_of_a_flag_is_free_for_sidecars() -> None:
+    from rsegen.cli.parser import parser_of
+    from rsegen.params.capabilities import commands
+    from rsegen.writing.sidecars import OF_SOME, READING, RESERVED_FLAGS
+
+    for name in {"generate", "series", "terrain", "import", "scan"} & {*commands()}:
+        actions = parser_of(name).actions
+        flags = [flag.removeprefix("--") for action in actions for flag in action.option_strings if flag[:2] == "--"]
+        taken = {*(action.dest for action in actions), *(flag.replace("-", "_") for flag in flags)}
+        assert taken <= RESERVED_FLAGS | READING | OF_SOME, name
+
+
+@pytest.mark.parametrize(
+    ("fields", "complaint"),
+    [
+        ("commands=(Command('help', 'measure', 'dig', 'dunes.sand'),)", "the command 'help' is taken"),
+        ("commands=(Command('scan', 'measure', 'dig', 'dunes.sand'),)", "the command 'scan' is taken"),
+        ("public={'dunes.sand': ('build',)}", "the public name 'build' is taken"),
+    ],
+)
+def test_a_name_of_a_command_or_a_function_of_rsegen_cannot_be_taken(
+    fields: str, complaint: str, tmp_path: Path
+) -> None:
+    found = run("--help", packages=declaring(tmp_path, fields))
+    assert (found.returncode, found.stderr) == (0, f"rsegen: warning: {NAMED}{complaint}; it is left out\n")
+
+
+def test_a_parameter_of_a_command_without_a_sort_is_refused_in_one_line(tmp_path: Path) -> None:
+    sand = "from typing import Annotated\nfrom rsegen.params.command import add_flags, command\n"
+    sand += "@command\ndef dig(*, grain: Annotated[str, 'x'] = 'a'): pass\n"
+    sand += "def add_dig(parser): add_flags(parser, dig)\ndef run_dig(arguments): pass\n"
+    declaring(tmp_path, "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)", sand)
+    assert f"the parameter 'grain' {NO_SORT}" in refused("dig", packages=tmp_path)
+
+
+@pytest.mark.parametrize("command", ["--help", "doctor"])
+def test_a_capability_whose_import_is_interrupted_ends_in_one_line(command: str, tmp_path: Path) -> None:
+    declaring(tmp_path, "")
+    (tmp_path / "dunes" / "__init__.py").write_text("raise KeyboardInterrupt\n")  # as Ctrl-C does in some libraries
+    found = run(command, packages=tmp_path)
+    assert (found.returncode, found.stderr) == (130, "rsegen: stopped\n")
 
 
 @pytest.mark.parametrize("look", ["raise RuntimeError('dust')", "return 'dust'"])

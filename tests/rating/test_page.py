@@ -102,7 +102,7 @@ def test_the_robot_of_a_rating_of_anybody_is_no_file_elsewhere(host: Host, tmp_p
 @real
 @pytest.mark.slow
 def test_trials_are_driven_again_as_they_were_whoever_judged_them(of_jackal: Rated, host: Host, tmp_path: Path) -> None:
-    """Also over the drive that is there already, as both judges have the same fields."""
+    """Also over an earlier drive, as both judges have the same fields."""
     copytree(of_jackal.folder, tmp_path / "rate")
     doc = hosting.open(host, what="peak")["doc"]
     curves = json.loads((tmp_path / "rate" / "rating.json").read_text())["curves"]

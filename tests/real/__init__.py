@@ -1,1 +1,1 @@
-"""What rsegen writes, judged by the simulators that read it."""
+"""Files of rsegen, judged by the simulators that read it."""

@@ -48,7 +48,7 @@ BURGER_WHEELS = Wheels()
 
 
 class Start(NamedTuple):
-    """Where the middle of the axle is at first, the height that it stands on, metres, and the heading, radians."""
+    """Place of the middle of the axle at first, the height that it stands on, metres, and the heading, radians."""
 
     x: float
     y: float
@@ -57,7 +57,7 @@ class Start(NamedTuple):
 
 
 class Way(NamedTuple):
-    """How far something has come along its first heading, and how far to the left of it, metres."""
+    """Distances that something has come along its first heading and to the left of it, metres."""
 
     ahead: float
     aside: float

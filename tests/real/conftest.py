@@ -59,7 +59,7 @@ def sdf_checker(tmp_path_factory: pytest.TempPathFactory) -> Sequence[str]:
 
 @pytest.fixture(scope="session")
 def check_sdf(sdf_checker: Sequence[str]) -> Callable[[Path], str]:
-    """What libsdformat says of a file."""
+    """Output of libsdformat for a file."""
     return lambda path: command_output([*sdf_checker, path])
 
 

@@ -96,7 +96,7 @@ SHAPES: tuple[Shape, ...] = (
 
 
 def shape_name(shape: Shape) -> str:
-    """What a test is called by."""
+    """Name of a test."""
     return "-".join(f"{name}-{value}" for name, value in shape.items()) or "default"
 
 
@@ -170,7 +170,7 @@ def few_short(recipes: Iterable[rsegen.Recipe]) -> list[Any]:
 
 
 def map_name(recipe: rsegen.Recipe) -> str:
-    """What a test is called by."""
+    """Name of a test."""
     return recipe.map_name(recipe.first_map)
 
 

@@ -1,4 +1,4 @@
-"""Where the models of a map must be in a simulator, and where they are."""
+"""Places at which the models of a map must be in a simulator, and at which they are."""
 
 from __future__ import annotations
 

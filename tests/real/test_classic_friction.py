@@ -1,4 +1,4 @@
-"""What friction does in Gazebo Classic as in no real robot: it holds across what slips, and turns what has belts."""
+"""Friction in Gazebo Classic, which acts as in no real robot: it holds across what slips, and turns what has belts."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def test_a_burger_goes_straight_on_the_bare_ground_in_sim(gazebo_sim: Installati
 
 
 def bounds(shape: Shape) -> tuple[float, float]:
-    """How far from its course a robot may be after 1.1 m on average and at worst, metres."""
+    """Distances from its course that a robot may have after 1.1 m, on average and at worst, metres."""
     if shape.get("simulator") == "classic":
         return 0.00025, 0.00025
     return (0.005, 0.010) if shape.get("collision", "mesh") == "mesh" else (0.020, 0.040)

@@ -28,7 +28,7 @@ AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 class Engine(Protocol):
-    """Where the models of a world are that can move, so many steps from its beginning, when joints are told speeds."""
+    """Places of the models that can move, a number of steps after a world's beginning, if joints are told speeds."""
 
     def __call__(self, world: Path, steps: int, *told: str) -> Mapping[str, Pose]: ...
 

@@ -39,5 +39,5 @@ def test_a_cube_that_is_pushed_slides_where_it_is_slippery_alone(
 
 
 def has_boxes(recipe: rsegen.Recipe) -> bool:
-    """Whether its blocks are boxes for the physics engine."""
+    """Return whether its blocks are boxes for the physics engine."""
     return recipe.mesh_type == "multi" or recipe.collision != "mesh"

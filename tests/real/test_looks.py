@@ -1,4 +1,4 @@
-"""What a camera finds on blocks: corners, on a plateau too, where one colour gives it nothing to hold on to.
+"""Features that a camera finds on blocks: corners, on a plateau too, where one colour gives it nothing to hold on to.
 
 Judged by OpenCV's FAST detector on pictures of Gazebo Classic and of MuJoCo.
 """

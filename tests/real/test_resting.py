@@ -96,7 +96,7 @@ def from_command(folder: Path, *arguments: str | Path) -> Map:
 
 
 def bodies_rest(made: Map, gazebo: Installation) -> None:
-    """What falls on a few cells of every level and of the frame stays on their tops; nothing else is there."""
+    """Assert that bodies on a few cells of every level and of the frame rest on their tops; nothing else is there."""
     run = simulated(gazebo, falling(made), steps=FALL)
     assert not run.errors
     judge(made.scene.field, run.poses)

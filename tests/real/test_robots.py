@@ -188,7 +188,7 @@ def test_flippers_and_arm_reach_the_commanded_angles(gazebo_classic: Installatio
 
 
 def climbing(robot: Robot, heights: Sequence[float], gazebo: Installation, folder: Path) -> Pose:
-    """Where it is after 1.2 m at an easy speed, with a stair 0.2 m before its front."""
+    """Place of it after 1.2 m at an easy speed, with a stair 0.2 m before its front."""
     course = Course(robots={"one": robot}, stair=stair(0.2 + robot.size[0], heights))
     v = min(robot.drive.speed, 0.3)
     steps = int(1000 * (1.2 + 2 * robot.size[0]) / v)

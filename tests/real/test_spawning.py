@@ -45,7 +45,7 @@ SINKING = 1e-4
 """Metres that ODE lets a hull sink into the block that it rests on."""
 
 _REMOVED = "this entity does not exist. This create component request will be ignored."
-"""What Fortress says at every step of a model with plug-ins that was removed."""
+"""Line that Fortress prints at every step of a model with plug-ins that was removed."""
 
 EASY = replace(COURSE, obstacles=(rsegen.Random(levels=2),))
 """Its steps are of 1 cm, which the Burger climbs."""
@@ -103,7 +103,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def done(capture: Capture, *arguments: str) -> dict[str, object]:
-    """What a command says that it has done."""
+    """Report of a command."""
     capture.readouterr()
     assert main([*arguments, "--simulator", os.environ["SIMULATOR"], "--json"]) == 0, capture.readouterr().err
     told: dict[str, object] = json.loads(capture.readouterr().out)
@@ -117,7 +117,7 @@ def refused(capture: Capture, *arguments: str) -> str:
 
 
 def ground_under(live: LiveWorld, name: str, course: rsegen.Recipe = COURSE) -> float:
-    """How far a robot is above the blocks under its middle."""
+    """Height of a robot above the blocks under its middle."""
     poses = live.poses()
     (there,) = (each for each in poses if each.startswith("course_"))
     field = rsegen.compose(course, int(there[-4:])).field
@@ -125,7 +125,7 @@ def ground_under(live: LiveWorld, name: str, course: rsegen.Recipe = COURSE) -> 
 
 
 def comes_away(live: LiveWorld, start: Pose) -> bool:
-    """Whether the robot moves by 2 cm within 10 s of simulation time, however slow the machine is."""
+    """Return whether the robot moves by 2 cm within 10 s of simulation time, however slow the machine is."""
     end = live.clock().simulated + 10
     while live.clock().simulated < end:
         at = live.poses()["burger"]

@@ -49,7 +49,7 @@ def squares(field: StepField) -> int:
 
 
 def of_one_block(field: StepField) -> int:
-    """What one block, a unit higher, adds to the squared steps to its four neighbours at the most."""
+    """Amount that one block, a unit higher, adds to the squared steps to its four neighbours at the most."""
     return 4 * (2 * max(steps(field).counts) + 1)
 
 

@@ -1,4 +1,4 @@
-"""Where chance put each obstacle of a map, in info and in the recipe.json of the map."""
+"""Places at which chance put each obstacle of a map, in info and in the recipe.json of the map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every robot keeps to: a new file is tested here the moment it exists."""
+"""Contract of all robots: a new file is tested here the moment it exists."""
 
 from __future__ import annotations
 
@@ -147,6 +147,14 @@ def test_wrong_words_are_refused_in_one_line(robot: Robot) -> None:
         robot.model("one/two")
     with pytest.raises(UnknownName, match="joint with a motor"):
         robot.holding({"nose": 1})
+
+
+@ROBOT
+@pytest.mark.parametrize("name", ["a..b", "1st-course", "_x"])
+def test_a_name_that_a_recipe_takes_is_taken_for_a_robot_too(robot: Robot, name: str) -> None:
+    assert Recipe(name=name).name == name
+    assert f'<model name="{name}">' in robot.file(name, "sim")
+    assert name in robot.command(name, 0.1, 0.0, "sim").topic
 
 
 def test_an_unknown_robot_is_refused_with_the_known_ones() -> None:

@@ -1,4 +1,4 @@
-"""What is steered is refused, what swivels is a caster, what is hinged drives; wheels without friction are named."""
+"""Steered wheels are refused, swivelling ones are casters, hinged ones drive; wheels without friction are named."""
 
 from __future__ import annotations
 

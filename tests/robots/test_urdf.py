@@ -284,7 +284,7 @@ def test_urdf_that_is_no_robot_is_refused_in_one_line(tmp_path: Path, inner: str
 
 @pytest.mark.slow
 def test_a_chain_and_a_heap_of_thousands_take_seconds() -> None:
-    """What is quadratic in the links, shapes or extensions would take minutes."""
+    """Work that is quadratic in the links, shapes or extensions would take minutes."""
     count = 5000
     chain = "".join(HEAVY.format(f"l{number}") for number in range(count)) + "".join(
         JOINT.format(f"j{number}", "continuous" if number % 2 else "fixed", f"l{number - 1}", f"l{number}", "")

@@ -1,4 +1,4 @@
-"""What ROS 2 packages have of robots, judged by urdfdom, MuJoCo and the tables of ros_gz_bridge and Nav2."""
+"""Files of robots in ROS 2 packages, judged by urdfdom, MuJoCo and the tables of ros_gz_bridge and Nav2."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ PUBLISHED = {
     ("imu", "topic"): "gz.msgs.IMU",
     ("gpu_lidar", "topic"): "gz.msgs.LaserScan",
 }
-"""What Gazebo's plug-ins and sensors publish on the topic of an element, after their source (Fortress, Harmonic)."""
+"""Messages of Gazebo's plug-ins and sensors on the topic of an element, after their source (Fortress, Harmonic)."""
 
 
 def homogeneous(pose: SdfPose) -> np.ndarray[Any, Any]:

@@ -47,7 +47,7 @@ macro(ament_package)
   install(FILES package.xml DESTINATION "share/${PROJECT_NAME}")
 endmacro()
 """
-"""What the package asks of ament_cmake, and no more."""
+"""Commands of ament_cmake that the package uses, and no more."""
 
 
 def written(scene: Scene, folder: Path, package: Ros2 | None = None) -> Path:

@@ -63,13 +63,13 @@ MODULES: Mapping[str, Sequence[str]] = {
     "launch_ros.parameter_descriptions": ["ParameterValue"],
     "launch_ros.substitutions": ["FindPackageShare"],
 }
-"""What the launch files import: each name is a class that writes down what it is asked, but these two functions."""
+"""Imports of the launch files: each name is a class that writes down what it is asked, but these two functions."""
 
 FUNCTIONS = {"LaunchDescription": list, "evaluate_condition_expression": _is_true}
 
 
 class Launched(NamedTuple):
-    """What a launch file starts with some arguments: its nodes, launch files of others, messages, variables.
+    """Outcome of a launch file with some arguments: its nodes, launch files of others, messages, variables.
 
     Nodes are known by their names, or by their programs if they keep their own names.
     """
@@ -122,7 +122,7 @@ def launched(file: Path, **given: str) -> Launched:
 
 
 def _is_run(one: Stand, given: Mapping[str, str]) -> bool:
-    """Whether the condition of a node or launch file, if any, is met."""
+    """Return whether the condition of a node or launch file, if any, is met."""
     condition = one.named.get("condition")
     return condition is None or condition.arguments[0].perform(given) == "true"
 

@@ -261,6 +261,12 @@ def depths(shape: tuple[int, int] = (6, 8)) -> Array:
     return np.arange(1000.0, 1000 + 10 * shape[0] * shape[1], 10).reshape(shape)
 
 
+@pytest.mark.parametrize("shape", [(-1, 3), (-1, 3, 1), (-1, 1, 3), (20, -1, 3)])
+def test_points_may_have_an_axis_more(shape: tuple[int, ...], tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", POINTS.reshape(shape))
+    assert np.array_equal(read_clouds([tmp_path / "a.npy"]).points, POINTS)
+
+
 @pytest.mark.parametrize("name", ["depth.png", "depth.tif", "depth.npy", "with_a_channel.npy"])
 def test_a_depth_image_is_seen_through_its_camera(name: str, tmp_path: Path) -> None:
     depth = depths().astype(np.uint16)
@@ -421,7 +427,7 @@ def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch:
 
 
 class PanicException(BaseException):
-    """What code in Rust raises, as lazrs does at files of early versions of LASzip: no Exception."""
+    """Exception of code in Rust, as lazrs does at files of early versions of LASzip: no Exception."""
 
 
 @pytest.mark.parametrize(("raised", "seen"), [(PanicException("no table"), FileError), (KeyboardInterrupt(), None)])

@@ -1,4 +1,4 @@
-"""What stands below, on and next to a field in a cloud: boards, objects on blocks, furniture."""
+"""Things below, on and next to a field in a cloud: boards, objects on blocks, furniture."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def cloud(stretch: float = 1.0) -> Array:
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, object], Path]:
-    """What `scan --json` prints, and its folder."""
+    """Output of `scan --json`, and its folder."""
     folder = tmp_path_factory.mktemp("scan")
     np.savetxt(folder / "pallet.xyz", cloud(1.01), fmt="%.4f")
     out = folder / "out"

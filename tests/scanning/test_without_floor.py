@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,29 @@ def test_a_scan_says_that_the_axes_decided_which_side_is_up(tmp_path: Path, caps
     np.savetxt(tmp_path / "map.xyz", tops(field_of(random_levels(5, 6, 4))), fmt="%.4f")
     assert main(["scan", str(tmp_path / "map.xyz"), "-o", str(tmp_path / "out")]) == 0
     assert "assumed: z is up, and the lowest tops are at level 0, as no floor" in "".join(capsys.readouterr())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lowest", [0, 1])
+def test_a_scan_whose_axis_up_is_known_says_that_level_0_is_assumed(
+    lowest: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A cloud without floor, and without a block at level 0, is that of lower blocks."""
+    np.savetxt(tmp_path / "map.xyz", tops(field_of(random_levels(5, 6, 3) + lowest)), fmt="%.4f")
+    assert main(["scan", str(tmp_path / "map.xyz"), "--up=z", "--json", "-o", str(tmp_path / "out")]) == 0
+    out, err = capsys.readouterr()
+    assert err.count("assumed: the lowest tops are at level 0, as no floor around the field tells it (else all") == 1
+    assert json.loads(out)["scan"]["level_0_is_assumed"] is True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", ["none", "outer"])
+@pytest.mark.parametrize("lowest", [1, 2])
+def test_a_known_field_tells_where_level_0_is(boundary: str, lowest: int) -> None:
+    field = field_of(random_levels(5, 8, 3) + lowest, boundary)
+    scan = find_field(tops(field), ScanSettings(up=(0, 0, 1)), field)
+    assert is_that(scan, field)
+    assert scan.translation[2] == pytest.approx(0, abs=0.002)
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from rsegen.simulators.server import attempted, running_server
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Run:
-    """What a world was like at its end: where every model stood, and the error lines of the server's log."""
+    """State of a world at its end: where every model stood, and the error lines of the server's log."""
 
     poses: Mapping[str, Pose]
     errors: Sequence[str]

@@ -36,7 +36,7 @@ exec sleep "${{STAYS:-0}}"
 """
 
 CLASSIC = "Gazebo multi-robot simulator, version {}\\n"
-"""What Gazebo Classic's programs say to --version, before they exit with 255."""
+"""Output of Gazebo Classic's programs for --version, before they exit with 255."""
 
 PROGRAMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -49,7 +49,7 @@ PROGRAMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Start:
-    """How a stand-in was started: folder, command and variables."""
+    """Start of a stand-in: folder, command and variables."""
 
     folder: Path
     command: tuple[str, ...]
@@ -65,7 +65,7 @@ def put(folder: Path, programs: Mapping[str, str]) -> None:
 
 
 def start(program: Path) -> Start:
-    """How it was started the last time."""
+    """Last start of it."""
     command, _, variables = Path(f"{program}.started").read_text().partition("\n\n")
     folder, *words = command.split("\n")
     pairs = (line.split("=", 1) for line in variables.splitlines() if "=" in line)
@@ -89,7 +89,7 @@ def path_with(folder: Path) -> str:
 
 
 def put_tools(folder: Path) -> None:
-    """What the stand-ins' shell needs, and no simulator."""
+    """Put the tools that the stand-ins' shell needs, and no simulator."""
     tools = folder.parent / "tools"
     tools.mkdir(exist_ok=True)
     for name in ("env", "mkdir", "mv", "sleep"):

@@ -109,7 +109,7 @@ def test_each_is_asked_for_a_moment_and_then_for_a_tenth_of_the_timeout(simulato
 
 
 def left_by(process: int, name: str, address: str, folder: Path, state: Path) -> None:
-    """What `rsegen open` says of a simulation, as another process would have written it."""
+    """Write what `rsegen open` says of a simulation, as another process would have written it."""
     with connecting.announced(Noted(name), {"NOTED_ADDRESS": address}, folder):  # type: ignore[arg-type]
         own = state / f"simulation-{os.getpid()}.json"
         content = own.read_text()

@@ -1,4 +1,4 @@
-"""What every simulator keeps to: a new file is tested here the moment it exists, with stand-ins."""
+"""Contract of all simulators: a new file is tested here the moment it exists, with stand-ins."""
 
 from __future__ import annotations
 

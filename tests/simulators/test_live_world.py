@@ -1,7 +1,8 @@
-"""What every live world keeps to: in real servers, and over the transport library of Gazebo Sim alone."""
+"""Contract of all live worlds: in real servers, and over the transport library of Gazebo Sim alone."""
 
 from __future__ import annotations
 
+import re
 import secrets
 import threading
 from collections.abc import Iterator, Mapping
@@ -13,7 +14,7 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.errors import NothingRuns, SimulatorFailed
+from rsegen.errors import NothingRuns, ParameterError, SimulatorFailed
 from rsegen.gazebo import sdf
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import SIMULATORS
@@ -151,7 +152,10 @@ def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:
     with connected_to(sim_address), transport_world("other", partition) as address:
         with transport_client(address, Patience()) as client:
             client.offers("/world/other/control")
-        with pytest.raises(SimulatorFailed, match=f"2 servers run in the partition {partition}; set GZ_PARTITION"):
+        problem = (
+            f"GZ_PARTITION: 2 servers of Gazebo Sim run in the partition {partition}; set it to that of one server"
+        )
+        with pytest.raises(ParameterError, match=re.escape(problem)):
             connect_again_and_again(address)
 
 

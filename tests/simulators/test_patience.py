@@ -1,4 +1,4 @@
-"""How long a simulator is waited for, on a clock that the tests turn."""
+"""Waits for a simulator, on a clock that the tests turn."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Where there is room in a simulation, and how high a map is that stands there."""
+"""Tests of free places in a simulation, and of the heights of its maps."""

@@ -1,4 +1,4 @@
-"""What drives have shown decides where the next way leads: over what they passed, and around what held them."""
+"""Drives decide where the next way leads: over what they passed, and around what held them."""
 
 from __future__ import annotations
 

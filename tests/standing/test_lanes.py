@@ -1,4 +1,4 @@
-"""Where and why lanes end: parts that are held, steps that stop a robot, falls, and the room beside a lane."""
+"""Ends of lanes: parts that are held, steps that stop a robot, falls, and the room beside a lane."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def ridge() -> Ints:
 
 
 def end_of(lanes: Lanes) -> End:
-    """Why the only lane ends."""
+    """Reason why the only lane ends."""
     return End(int(lanes.end[0]))
 
 

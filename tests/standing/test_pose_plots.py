@@ -29,7 +29,7 @@ def scene_of(recipe: Recipe = RECIPE) -> Scene:
 
 
 def share(image: Image.Image, colour: str) -> float:
-    """How much of a picture has a colour, about."""
+    """Share of a picture that has about a colour."""
     pixels = np.asarray(image.convert("RGB")).astype(float) / 255
     return float((np.abs(pixels - to_rgb(colour)).max(axis=2) < 0.03).mean())
 

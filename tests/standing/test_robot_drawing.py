@@ -35,7 +35,7 @@ def walled(side: str) -> StepField:
 
 
 def seen(field: StepField, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> float:
-    """How much of the right half of the preview has about the colours of a robot: the plan is in the left half."""
+    """Share of the right half of the preview that has about the colours of a robot: the plan is in the left half."""
     image = Image.open(io.BytesIO(preview(field, robot=ROBOTS["crawler"], at=at))).convert("RGB")
     pixels = np.asarray(image)[:, image.size[0] // 2 :].astype(float) / 255
     colours = [np.abs(pixels - to_rgb(colour)).max(axis=2) < 0.2 for colour in (_DRIVEN, _UNDRIVEN)]

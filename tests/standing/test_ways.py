@@ -87,7 +87,7 @@ def test_a_way_over_a_high_edge_tells_where_the_robot_falls() -> None:
 
 
 def test_a_way_tells_where_the_robot_is_nearest_to_tipping_over() -> None:
-    """There is one edge on all of the map, so it is about that one."""
+    """The map has a single edge, so it is about that one."""
     levels, body = np.zeros((30, 6), int), BODIES["crawler"]
     levels[22:] = 1
     way = best_way(field_of(levels, 0.08), body, 0)

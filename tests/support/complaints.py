@@ -1,4 +1,4 @@
-"""How what is wrong is told: one clear line on stderr, short enough to be read."""
+"""Form of error messages: one clear line on stderr, short enough to be read."""
 
 from __future__ import annotations
 

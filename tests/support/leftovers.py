@@ -1,4 +1,4 @@
-"""What still runs of what a test has started: all of it is known by a variable."""
+"""Processes that a test has started and that still run, known by a variable."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MARK = "RSEGEN_TEST"
 
 
 def left(mark: str) -> list[psutil.Process]:
-    """What still runs with that mark, beside this process."""
+    """Processes with that mark that still run, without this one."""
     found = []
     for process in psutil.process_iter():
         with suppress(psutil.Error):
@@ -26,7 +26,7 @@ def left(mark: str) -> list[psutil.Process]:
 
 
 def left_in_the_end(mark: str) -> list[psutil.Process]:
-    """What still runs with that mark after a long wait, or nothing as soon as there is nothing."""
+    """Processes with that mark that still run after a long wait; none as soon as all have ended."""
     with suppress(pytest.fail.Exception):
         until(lambda: not left(mark))
     return left(mark)

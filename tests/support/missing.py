@@ -1,4 +1,4 @@
-"""What a test needs and a machine lacks."""
+"""Needs of tests that a machine lacks."""
 
 import os
 from typing import NoReturn

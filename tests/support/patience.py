@@ -1,4 +1,4 @@
-"""How long tests wait: limits of CPU time, which a busy machine does not use up, and a long limit of wall time last.
+"""Waits of tests: limits of CPU time, which a busy machine does not use up, and a long limit of wall time last.
 
 `run` is `subprocess.run` within such limits, `within_limits` the command that sets them for a `Popen`. `until` waits
 for what another process or thread does. `limit_cpu_of_tests` gives every test the same limit.
@@ -24,7 +24,7 @@ CPU_SECONDS = 300
 PATIENCE = 30 * 60
 """Wall time in seconds after which a test that waits gives up: the last resort, for what hangs and uses no CPU."""
 LOOKS = 100
-"""How often `until` looks before it asks for the CPU time again, which takes some itself."""
+"""Number of looks of `until` before it asks for the CPU time again, which takes some itself."""
 
 
 def within_limits(*command: object, cpu_seconds: int = CPU_SECONDS) -> list[str]:

@@ -1,4 +1,4 @@
-"""What hypothesis draws: fields, obstacles and recipes within the method's ranges, small enough to be quick."""
+"""Strategies of hypothesis: fields, obstacles and recipes within the method's ranges, small enough to be quick."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What no parameter of a sort takes: values as a file or Python gives them, and texts as a flag gives them."""
+"""Values that no parameter of a sort takes: values as a file or Python gives them, and texts as a flag gives them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EVERY = {
 
 
 def _sort(parameter: Parameter) -> tuple[object, ...]:
-    """What makes its checks differ from those of others, bounds and words aside."""
+    """Key by which its checks differ from those of others, bounds and words aside."""
     return type(parameter), getattr(parameter, "high", 0) is None, getattr(parameter, "length", None)
 
 
@@ -33,17 +33,17 @@ SORTS = {_sort(found): (owner, name) for (owner, name), found in reversed(EVERY.
 
 
 def wrong_values(name: str, parameter: Parameter) -> Iterator[object]:
-    """What a file may give that no parameter of this sort takes."""
+    """Values of a file that no parameter of this sort takes."""
     yield from (value for value in _wrong_values(parameter) if not _takes_words(name, parameter, value))
 
 
 def wrong_texts(name: str, parameter: Parameter) -> Iterator[str]:
-    """What a flag may give that no parameter of this sort takes."""
+    """Texts of a flag that no parameter of this sort takes."""
     yield from (text for text in _wrong_texts(parameter) if not _takes_words(name, parameter, text))
 
 
 def right(parameter: Parameter) -> str:
-    """What the complaint must say, whichever the value."""
+    """Words of the message, whichever the value."""
     return parameter.describe() if isinstance(parameter, (Integer, Float, Choice, Text, Size2D)) else ""
 
 

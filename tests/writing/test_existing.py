@@ -1,4 +1,4 @@
-"""What a run that was stopped has made is kept, and the rest is as if it had never been stopped."""
+"""Maps of a run that was stopped are kept, and the rest is as if it had never been stopped."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.support.strategies import recipes
 OBSTACLE = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 
 LARGER = ["--chunks", "10"]
-"""So that workers are started for fewer maps, which are fewer files."""
+"""Threshold from which workers are started; it is lower, so that there are fewer files."""
 
 
 def generated(folder: Path, *arguments: str) -> object:
@@ -34,7 +34,7 @@ def generated(folder: Path, *arguments: str) -> object:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What a run that nobody stops makes."""
+    """Files of a run that nobody stops."""
     folder = tmp_path_factory.mktemp("whole")
     assert generated(folder, *LARGER, "--maps", "80") == 0
     return contents(folder)

@@ -1,4 +1,4 @@
-"""What a run needs, in numbers that a person can read."""
+"""Needs of a run, in numbers that a person can read."""
 
 from __future__ import annotations
 

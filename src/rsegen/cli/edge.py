@@ -225,9 +225,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if ours and sys.flags.dev_mode:
                 raise
             # A compiled module that a signal interrupts while it is imported raises its own ImportError.
-            stopped = ours and signals.came
+            shown_error = KeyboardInterrupt() if ours and signals.came else error
+            if not str(shown_error):  # it names no flags; to ask for commands is to import capabilities once more
+                words = ()
             command = next((word for word in words if word in commands()), None)
-            return failed(KeyboardInterrupt() if stopped else error, signals.number, command, words)
+            return failed(shown_error, signals.number, command, words)
 
 
 def _run(words: Sequence[str], signals: Signals) -> int:
@@ -281,7 +283,11 @@ def _of_flag(message: str, command: str | None, words: Sequence[str]) -> str:
 
 def _flags(command: str) -> dict[str, str]:
     """Return the flag of each declared parameter of a command."""
-    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command).actions)
+    try:
+        actions = parser_of(command).actions
+    except Exception:  # of a plug-in's command: it may be the parser that failed, which has been reported
+        return {}
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in actions)
     return {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.params.command import Shell
-from rsegen.params.sorts import FilePath, Flag, Integer, Reference, parameters
-from rsegen.recipe.recipe import Recipe
+from rsegen.params.sorts import FilePath, Flag, Integer, Reference
 
 Force = Annotated[bool, Flag(help="overwrite the file, or a folder that rsegen wrote and nobody has changed")]
 
@@ -50,9 +49,3 @@ MapReference = Annotated[
     Reference("an index or a name", help="index or name of the map", types=(str, int)),
     Shell(metavar="INDEX", default="the first"),
 ]
-
-RESERVED_FLAGS = frozenset(
-    {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
-    | {"list", "errors", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
-)
-"""Flags of the commands that write maps: no option of a format or an importer has such a name."""

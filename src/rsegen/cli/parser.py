@@ -259,7 +259,22 @@ class Parser(argparse.ArgumentParser):
                 name = text.partition("=")[0]
                 self.error(f"unknown flag {shown(name)}{did_you_mean(name, self.flags)}")
             self.error(f"unexpected argument {shown(text)}")
+        for action in self.actions:
+            if problem := _problem_of_output(action, getattr(known, action.dest, None)):
+                self.error(f"{'/'.join(action.option_strings)}: {problem}")
         return known, unknown
+
+
+def _problem_of_output(action: argparse.Action, value: object) -> str:
+    """Return why a flag that names a file or folder to write cannot have a value; an empty text if it can."""
+    parameter = getattr(action, "declared", None)
+    metavar = parameter.metavar if parameter else action.metavar
+    is_file = metavar in ("FILE", "PICTURE")
+    if value == "-" and "--output" in action.option_strings:
+        return f"nothing is written to the standard output; use the name of a {'file' if is_file else 'folder'}"
+    if is_file and isinstance(value, str) and value.endswith(("/", os.sep)):
+        return f"{shown(value)} names a folder; use the name of a file"
+    return ""
 
 
 def _describe(action: Any, parameter: Any) -> None:

@@ -104,7 +104,7 @@ def _existing(layout: ShardLayout, folder: Path, on_existing: OnExisting) -> lis
         raise OutputError(f"{folder}: is not empty, and not a data set of rsegen; use another folder")
     if on_existing is OnExisting.REFUSE:
         raise OutputError(
-            f"{folder}: a data set exists there already; use resume=True to continue it, force=True to replace it, or "
+            f"{folder}: a data set exists already; use resume=True to continue it, force=True to replace it, or "
             "another folder"
         )
     if on_existing is OnExisting.REPLACE:

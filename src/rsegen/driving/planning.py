@@ -73,7 +73,7 @@ class _Tried:
         return self.found.probability if self.found else -1.0
 
     def drive(self, predictor: Predictor, scene: Scene, failures: int, *, is_first: bool) -> Sequence[Outcome]:
-        """Drive until so many drives have failed, or all of a prediction are done; return what was driven.
+        """Drive until that many drives have failed, or all of a prediction are done; return what was driven.
 
         is_first: whether few drives are enough; of some ways one does well in them by chance
         """

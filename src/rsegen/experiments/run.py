@@ -15,14 +15,14 @@ import platform
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from rsegen.driving.drive_metrics import COLUMNS
 from rsegen.driving.plots import trajectory_plot
-from rsegen.errors import FileError, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.errors import FileError, NoSpot, ParameterError, Stopped, inside, refuse_unknown, shown
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
 from rsegen.experiments.trial import (
@@ -91,13 +91,14 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
     watch: Callable[[], None],
 ) -> ExperimentResult:
     """Run the trials of a plan that are missing in its folder, and report on all of them; see `rsegen.experiment`."""
-    command = _command(plan, folder, simulators)
-    plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
-    plan = in_simulators(plan, simulators)
+    command, source = _command(plan, folder, simulators), "" if isinstance(plan, ExperimentPlan) else os.fspath(plan)
+    written = plan if isinstance(plan, ExperimentPlan) else load_plan(source)
+    plan = in_simulators(written, simulators)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: _chosen(name, timeout) for name in names}
-    refuse_without_frames(plan, installed)
-    refuse_undrivable(plan)
+    with _errors_of(source, ParameterError):
+        refuse_without_frames(plan, installed)
+        refuse_undrivable(written)  # whose rows have the numbers that they have in the file
     machine = {"simulator": ", ".join(map(str, installed.values())), **_description()}
     with _opened(plan, folder, force=force) as store:
         done = read_entries(store.journal.content, folder, len(plan.rows))
@@ -106,7 +107,8 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
             progress(number, cell)
             if (cell, repeat) not in done:
                 try:  # first the tracks of a trial are written, then its outcome
-                    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
+                    with _errors_of(source, NoSpot):
+                        trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
                     if files := track_files(plan, cell, repeat, trial):
                         store.put(files, force=True, holds=HOLDS)
                     store.note(journal_entry(cell, repeat, trial.outcome))
@@ -117,6 +119,18 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
+
+
+@contextmanager
+def _errors_of(source: str, sort: type[ParameterError]) -> Iterator[None]:
+    """Name the file, or the name, of a plan in errors of a sort that are raised inside; a plan made in Python has none.
+
+    Not in every error of a trial, as a wrong variable of the environment is no value of the plan.
+    """
+    try:
+        yield
+    except sort as error:
+        raise error.of(source) if source else error from None
 
 
 def _chosen(name: str, timeout: float) -> TrialSimulator:

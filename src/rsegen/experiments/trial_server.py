@@ -26,7 +26,7 @@ from rsegen.driving.recording import RobotRun, send_commands
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import Route, Wandering
 from rsegen.driving.world_file import camera_model, world_with_robots
-from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed
+from rsegen.errors import NoSimulator, NoSpot, ParameterError, SimulatorFailed
 from rsegen.experiments.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.gazebo import sdf
 from rsegen.scene.scene import Scene, compose
@@ -247,7 +247,10 @@ def trial_server(
     # Also an empty world has robots at the places of a map, so that both differ by the map alone.
     row = plan.rows[cell.row]
     scene = compose(row.map_of(cell.size, seed))
-    runs = runs_of_row(row, scene, seed)
+    try:
+        runs = runs_of_row(row, scene, seed)
+    except NoSpot as error:  # of a map larger than the smallest one of its row, which has been tried
+        raise error.of(cell.name) from None
     routes = {run.name: run.route() for run in runs}
     made = partial(TrialServer, pace=cell.pace, scene=scene, runs=runs, routes=routes, watch=watch)
     if isinstance(here, EmbeddedSimulator):

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import ClassVar, Literal
 
-from rsegen.cli.parameters import RESERVED_FLAGS
 from rsegen.errors import ParameterError, UserError
 from rsegen.formats import MAT
 from rsegen.formats.encoded import as_json
@@ -25,6 +24,7 @@ from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.codec import map_json
 from rsegen.scene.scene import Scene
+from rsegen.writing.sidecars import READING, RESERVED_FLAGS
 
 Step = Literal["build", "measure", "surface", "mesh"]
 """A step of making a map, by its memory: a field; its metrics; its surface or boxes; a watertight mesh of all of it."""
@@ -75,18 +75,15 @@ class Format(ABC):
         return f"{self.name}: {self.mat_file} is left out, as scipy is not installed; {pip_install([MAT.name])}"
 
 
-READING = frozenset(
-    {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
-    | {"levels", "invert", "threshold", "framed", "camera_cm", "unknown", "topic", "layer"}
-)
-"""Flags of `rsegen import`, which writes formats too."""
+_OF_EXPORT = frozenset({"path", "format", "index"})
+"""Parameters of `rsegen.export` that no flag has; it takes a format's options too."""
 
 
 def _problem(cls: type[Format]) -> str:
     """Return the problem of the name and the options of a plug-in's format; an empty text if there is none."""
     if not (cls.name.isidentifier() and cls.name.islower()):
         return f"has the name {cls.name!r}; use one of small letters, digits and _, as its folder is called so"
-    return name_conflict(cls, RESERVED_FLAGS | READING, others=FORMATS.own()) or (
+    return name_conflict(cls, RESERVED_FLAGS | READING | _OF_EXPORT, others=FORMATS.own()) or (
         "" if cls() else "cannot be made without options"
     )
 

@@ -47,7 +47,7 @@ def export_maps(  # noqa: PLR0913  # each is a flag
 ) -> tuple[ExportedMap, ...]:
     """Write maps in the formats of other programs: folder/NAME_0000, ..., with a folder for each format and the recipe.
 
-    If a map is there already, as a world or exported before, the formats are added and all else stays; `resume` keeps
+    If a map exists, as a world or exported before, the formats are added and all else stays; `resume` keeps
     formats that are complete and have the same options. A format that joins the maps, such as `ros2` with a `package`,
     is alone, and writes them into one folder of that name: all of them or none.
 

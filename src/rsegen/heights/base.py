@@ -19,12 +19,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rsegen.cli.parameters import RESERVED_FLAGS
 from rsegen.errors import FileError, ParameterError
 from rsegen.input_files import first_inside
 from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import CENTIMETRES, Cell, validate
 from rsegen.recipe.recipe import Recipe
+from rsegen.writing.sidecars import RESERVED_FLAGS
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array, Ints, Mask

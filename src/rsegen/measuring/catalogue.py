@@ -112,7 +112,9 @@ def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[st
 
 Measure: TypeAlias = Callable[[StepField], float]
 
-RESERVED = frozenset({"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening", "reach"})
+RESERVED = frozenset(
+    {"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening", "reach", "predictions"}
+)
 """Columns of every row of `rsegen metrics`, so no metric of a plug-in has such a name."""
 
 
@@ -173,8 +175,10 @@ def metric(unit: str) -> Callable[[Measure], Metric]:
 
 
 def _problem(metric: Metric) -> str:
-    if not metric.name.isidentifier() or metric.name in RESERVED:
-        return f"a metric cannot be named {metric.name!r}; use letters, digits and _, and none of rsegen's own names"
+    if not metric.name.isidentifier():
+        return f"a metric cannot be named {shown(metric.name)}; use letters, digits and _, with no digit first"
+    if metric.name in RESERVED:
+        return f"a metric cannot be named {metric.name!r}, as rsegen's own are {', '.join(sorted(RESERVED))}"
     if not metric.help:
         return "has no help; the function needs a docstring"
     return "" if callable(metric.measure) else "its measure is no function"

@@ -164,23 +164,27 @@ def _problem(name: str, offered: object, known: Mapping[str, Capability]) -> str
         if not isinstance(declared, Mapping if isinstance(default, Mapping) else type(default)):
             return f"its field {field!r} is a {type(declared).__name__}"
     if name in known:
-        return f"the capability {name!r} is there already; its entry point needs another name"
+        return f"the capability {name!r} exists already; rename the entry point"
     if missing := next((need for need in offered.needs if need not in known), ""):
         return f"it needs {missing!r}, which is not here"
-    return _problem_of_commands(offered.commands, known)
+    return _problem_of_names(offered, known)
 
 
-def _problem_of_commands(offered: tuple[Command, ...], known: Mapping[str, Capability]) -> str:
-    """Return why commands cannot be added to those of known capabilities; an empty text if they can."""
-    taken = {command.name for capability in known.values() for command in capability.commands}
-    for command in offered:
+def _problem_of_names(offered: Capability, known: Mapping[str, Capability]) -> str:
+    """Return why commands and public names cannot be added to known capabilities; an empty text if they can."""
+    taken = {command.name for capability in known.values() for command in capability.commands} | _BUILT_IN
+    for command in offered.commands:
         if not all(isinstance(text, str) for text in command[:6]) or not _COMMAND.fullmatch(command.name):
             return f"{command} is not a command; its name has small letters, digits, - and _, and the rest is text"
         if command.name in taken:
             return f"the command {command.name!r} is taken"
         taken.add(command.name)
-    return ""
+    public = {name for capability in known.values() for name, _ in _public(capability)}
+    return next((f"the public name {name!r} is taken" for name, _ in _public(offered) if name in public), "")
 
+
+_BUILT_IN = {"help", "version"}
+"""Words that the command line takes for `--help` and `--version`."""
 
 _COMMAND = re.compile(r"[a-z][a-z0-9_-]*")
 """The names of commands."""

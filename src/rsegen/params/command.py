@@ -25,7 +25,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from rsegen.errors import ParameterError
-from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints, with_lengths
+from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints, sort_of, with_lengths
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -108,13 +108,14 @@ def declared(owner: Any) -> Mapping[str, Declared]:
         }
     else:
         defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
-    marks = {name: getattr(annotations.get(name), "__metadata__", ()) for name in defaults}
-    known = {
-        name: Declared(name, mark[0], defaults[name], _joined([shell for shell in mark if isinstance(shell, Shell)]))
-        for name, mark in marks.items()
-        if mark
-    }
-    return MappingProxyType(known)
+    marked = [name for name in defaults if getattr(annotations.get(name), "__metadata__", ())]
+    return MappingProxyType({name: declare(name, annotations[name], defaults[name]) for name in marked})
+
+
+def declare(name: str, annotation: Any, default: object) -> Declared:
+    """Return the declared parameter of an annotated type; PluginError if that has no sort."""
+    shells = [mark for mark in annotation.__metadata__ if isinstance(mark, Shell)]
+    return Declared(name, sort_of(name, annotation), default, _joined(shells))
 
 
 def _joined(shells: Sequence[Shell]) -> Shell:

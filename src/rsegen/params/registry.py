@@ -68,6 +68,8 @@ class Contract:
                 return f"has the name {', '.join(map(repr, names))}; expected a text"
             self.stored_object(offered)
             return self.check(offered)
+        except PluginError as error:
+            return str(error)
         except Exception as error:  # it is somebody else's class, and may do anything
             return failure(error)
 

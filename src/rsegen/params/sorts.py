@@ -25,7 +25,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Protocol
 
-from rsegen.errors import ParameterError, did_you_mean, shown
+from rsegen.errors import ParameterError, PluginError, did_you_mean, shown
 
 Json = Any
 """A value of JSON or YAML: a dict, list, str, int, float, bool or None."""
@@ -278,8 +278,18 @@ def parameters(owner: type) -> Mapping[str, Parameter]:
 @cache
 def _parameters(owner: Any) -> Mapping[str, Parameter]:
     known = hints(owner)
-    marks = {field.name: getattr(known.get(field.name), "__metadata__", ()) for field in fields(owner)}
-    return MappingProxyType({name: mark[0] for name, mark in marks.items() if mark})
+    marked = [field.name for field in fields(owner) if hasattr(known.get(field.name), "__metadata__")]
+    return MappingProxyType({name: sort_of(name, known[name]) for name in marked})
+
+
+def sort_of(name: str, annotation: Any) -> Parameter:
+    """Return the sort of a parameter, which is first in its annotated type; PluginError if something else is."""
+    sort = annotation.__metadata__[0]
+    if isinstance(sort, type) or not callable(getattr(sort, "check", None)):
+        example = "Annotated[int, Integer(1, 9, help='number of steps')]"
+        problem = f"the parameter {name!r} is annotated with {shown(sort)}, which is no sort of values"
+        raise PluginError(f"{problem}; use one of rsegen.params.sorts, as in {example}")
+    return sort  # type: ignore[no-any-return]  # it has the methods of one
 
 
 def hints(owner: Any) -> dict[str, Any]:

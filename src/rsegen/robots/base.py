@@ -6,7 +6,6 @@ commands follow from that value.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -15,7 +14,8 @@ from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.params.registry import Contract, Registry
-from rsegen.params.sorts import Float, Parameter
+from rsegen.params.sorts import Float, Parameter, parameters
+from rsegen.recipe.recipe import Run
 from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
@@ -87,8 +87,7 @@ class Robot(RobotOnField):
 
     def assembled(self, name: str, sensors: str, plugins: Iterable[str], at: SdfPose = ORIGIN) -> str:
         """Return its <model> with these <sensor>s in its first link, and these plug-ins."""
-        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):  # it stands in topics
-            raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
+        name = parameters(Run)["name"].check("name", name)
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(link.sdf("" if index else sensors) for index, link in enumerate(self.links)),

@@ -301,6 +301,12 @@ class _Gridded:
             translation=transform.translation,
         )
 
+    def raised(self, height: float) -> _Gridded:
+        """Return this with the floor lower than it was found, by a height [m]."""
+        shift = np.array([0, 0, height])
+        transform = replace(self.transform, translation=self.transform.translation + shift)
+        return replace(self, reading=replace(self.reading, heights=self.reading.heights + height), transform=transform)
+
     def lying_along(self, blocks: Cell) -> _Gridded:
         """Return this, or a quarter turn of it if a rectangle of these blocks then has more raised cells."""
         turned = replace(self, reading=self.reading.quarter_turned(1), transform=self.transform.quarter_turned(1))
@@ -458,6 +464,11 @@ def _known_field(grid: _Gridded, known: StepField) -> Scan:
     """Return the known field in a cloud, turned as it stands there; a ScanError if it does not stand there."""
     stretch = grid.unit / known.unit  # the blocks as high as they are in the cloud
     fit = best_fit(grid.reading, known.heights * stretch, grid.unit / 2)
+    lowest = float(known.heights.min()) * stretch
+    if lowest and max(floor_rows(grid.reading, grid.unit)) < FLOOR_ROWS:  # the known field tells where its floor is
+        raised = grid.raised(lowest)
+        other = best_fit(raised.reading, known.heights * stretch, grid.unit / 2)
+        grid, fit = (raised, other) if other.agree > fit.agree else (grid, fit)
     if fit.agree < _LEAST_AGREEING * max(fit.seen, 1):
         raise ScanError(
             f"the scan shows another map: at the best place {fit.agree} of the {fit.seen} cells that were seen agree"

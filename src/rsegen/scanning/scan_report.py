@@ -10,6 +10,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Json
 from rsegen.scanning.evidence import bits_saved, stepped_lines
+from rsegen.scanning.extent import FLOOR_ROWS
 from rsegen.scanning.scan import SURE, Scan
 from rsegen.scene.scene import north_up
 
@@ -53,6 +54,7 @@ def scan_content(scan: Scan, points: int) -> dict[str, Any]:
             named | {"confidence": float(share)}
             for named, share in zip(_named(scan, unsure), _confidence(scan)[unsure], strict=True)
         ],
+        "level_0_is_assumed": scan.floor_rows < FLOOR_ROWS,
         "open_sides": list(scan.open_sides),
         "sides_of_few_raised_cells": list(scan.sparse_edges),
         "rotation": np.round(scan.rotation, 9).tolist(),

@@ -37,7 +37,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 from xml.etree import ElementTree
 
-from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, ParameterError, SimulatorFailed
 from rsegen.robots.drives import POSE_RATE, PublishCommand, Tracks
 from rsegen.robots.links import posed
 from rsegen.robots.lookup import DrivableRobot
@@ -438,9 +438,9 @@ class SimWorld(LiveWorld):
 def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[SimWorld]:
     """The world of the server at the address in environment variables.
 
-    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do. A client that is not answered
-    is replaced: a server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if
-    the program has the port of an earlier one, whose name the server goes on to use.
+    NothingRuns if no server gives a sign, ParameterError if several do; SimulatorFailed if none answers. A client that
+    is not answered is replaced: a server's response to a new program is lost if the connection takes it more than
+    0.1 s; and always, if the program has the port of an earlier one, whose name the server goes on to use.
     """
     for _ in range(_CLIENTS):
         with transport_client(environment, patience) as client:
@@ -454,10 +454,11 @@ def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[Si
                 continue
             # It must be the only server, and its messages tell by their package which backend it is.
             offers = client.all_offers(WORLDS)
-            if len(offers) > 1 or not worlds:
-                what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
-                advice = "set GZ_PARTITION to that of one server"
-                raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
+            if len(offers) > 1:
+                problem = f"{len(offers)} servers of Gazebo Sim run in the partition {client.partition}"
+                raise ParameterError("GZ_PARTITION", f"{problem}; set it to that of one server")
+            if not worlds:
+                raise SimulatorFailed(f"Gazebo Sim: the server in the partition {client.partition} has no world")
             client.attend(offers[0]["process_uuid"])
             backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
             yield SimWorld(client=client, name=worlds[0], backend=backend)

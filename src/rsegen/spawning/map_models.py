@@ -1,4 +1,4 @@
-"""Maps as models of a simulation: the one that is to be spawned, and the recipes of those that are there already."""
+"""Maps as models of a simulation: the one that is to be spawned, and the recipes of the maps in it."""
 
 from __future__ import annotations
 

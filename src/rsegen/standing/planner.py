@@ -43,7 +43,7 @@ _CHECKED = 64
 """Ways whose straight pieces are driven as a whole, before there is said to be none."""
 
 _HELD_TOO = {-1: 0.5, 0: 1.0, 1: 0.5}
-"""Share in which a place holds a robot that comes to it turned by so many headings."""
+"""Share in which a place holds a robot that comes to it turned by -1, 0 or 1 headings."""
 
 _TURN_POSES = 7
 """Poses of a turn by 45 degrees that are shown."""

@@ -1,4 +1,4 @@
-"""Where a robot gets on a field: its largest region, its poses there, and its shortest ways across.
+"""Reach of a robot on a field: its largest region, its poses there, and its shortest ways across.
 
 The largest region needs all turns, but few moves: with the moves that are known to be driven, and with all that may
 be, the strongly connected components are bounds, and a move between two components of the first in one of the second is

@@ -15,8 +15,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from rsegen.errors import PluginError
 from rsegen.params.capabilities import hooks
+from rsegen.params.command import declare
+from rsegen.params.registry import is_own
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -25,6 +26,25 @@ if TYPE_CHECKING:
     from rsegen.gazebo import Bundle
     from rsegen.scene.scene import Scene
     from rsegen.writing.resources import InMemory
+
+RESERVED_FLAGS = frozenset(
+    {"recipe", "target", "file", "folder", "map", "to", "output", "force", "resume", "workers", "scheduler", "sync"}
+    | {"no_sync", "preview", "sheet", "formats", "obstacle", "json", "quiet", "progress", "dry_run", "plugin", "help"}
+    | {"list", "errors", "run", "beside", *parameters(Recipe)}
+)
+"""Flags and parameters of all that writes maps: nothing that a plug-in adds to them has such a name."""
+
+READING = frozenset(
+    {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
+    | {"levels", "invert", "threshold", "framed", "camera_cm", "unknown", "topic", "layer"}
+)
+"""Options of importers, which are flags of `rsegen import`."""
+
+OF_SOME = frozenset(
+    {"from", "from_", "by", "robot", "same_field", "recipes", "rows", "columns", "border", "gap", "spots"}
+    | {"base_cm", "clouds", "fit", "intrinsics", "up"}
+)
+"""Flags that only some of the commands that write worlds have, such as series, terrain and scan."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -77,17 +97,28 @@ class Sidecar(ABC):
 
 @cache
 def sidecar_kinds() -> tuple[type[Sidecar], ...]:
-    """Return the kinds of sidecars that capabilities bring."""
-    return tuple(hooks("sidecars", _problem))
+    """Return the kinds of sidecars that capabilities bring; of two with one name the first."""
+    by_name: dict[str, type[Sidecar]] = {}
+    for kind in hooks("sidecars", lambda kind: _problem(kind, by_name)):
+        by_name[kind.name] = kind
+    return tuple(by_name.values())
 
 
-def _problem(kind: object) -> str:
-    """Return why something is no kind of sidecar; an empty text if it is one."""
+def _problem(kind: object, known: Mapping[str, type[Sidecar]]) -> str:
+    """Return why something is no kind of sidecar to add to known ones; an empty text if it is one."""
     if not (isinstance(kind, type) and issubclass(kind, Sidecar)) or inspect.isabstract(kind):
         return "is not a subclass of rsegen.writing.sidecars.Sidecar with all its methods"
-    if not str(getattr(kind, "name", "")).isidentifier() or not hasattr(kind, "parameter"):
-        return "has no name or no parameter"
-    return f"has the name of a parameter of recipes: {kind.name}" if kind.name in parameters(Recipe) else ""
+    if not str(getattr(kind, "name", "")).isidentifier() or not hasattr(getattr(kind, "parameter", 0), "__metadata__"):
+        return "has no name, or its parameter is no annotated type"
+    if is_own(kind):
+        return ""
+    flags = declare(kind.name, kind.parameter, kind.default).flags
+    for name in (kind.name, *(flag.lstrip("-").replace("-", "_") for flag in flags)):
+        if name in RESERVED_FLAGS | READING | OF_SOME:
+            return f"has the name {name!r}, which is a parameter or a flag of rsegen; rename it"
+        if other := known.get(name):
+            return f"has the name {name!r}, which is taken by {other.__module__}:{other.__name__}"
+    return ""
 
 
 def chosen_sidecars(values: Mapping[str, Any]) -> tuple[Sidecar, ...]:
@@ -105,10 +136,6 @@ def with_sidecars(function: F) -> F:
     """Give a command a declared parameter for every kind of sidecar, in place of `**sidecars` in its signature."""
     shape = inspect.signature(function)
     own = [each for each in shape.parameters.values() if each.kind is not inspect.Parameter.VAR_KEYWORD]
-    for kind in sidecar_kinds():
-        if kind.name in shape.parameters:
-            place = f"{kind.__module__}:{kind.__name__}"
-            raise PluginError(f"plug-in {place}: {kind.name!r} is a parameter of rsegen already; rename it")
     added = [
         inspect.Parameter(kind.name, inspect.Parameter.KEYWORD_ONLY, default=kind.default, annotation=kind.parameter)
         for kind in sidecar_kinds()

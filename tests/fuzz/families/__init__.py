@@ -1,4 +1,4 @@
-"""What makes cases: one function per sort of input, each from a random generator alone."""
+"""Makers of cases: one function per sort of input, each from a random generator alone."""
 
 from __future__ import annotations
 

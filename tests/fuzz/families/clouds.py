@@ -1,4 +1,4 @@
-"""What `scan` and `compare` read: clouds that are damaged, or of shapes that no field has."""
+"""Inputs of `scan` and `compare`: clouds that are damaged, or of shapes that no field has."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def damaged(rng: random.Random, name: str, content: bytes) -> bytes:
 
 
 _HEADERS = {"ply": b"end_header\n", "pcd": b"\nDATA ", "pgm": b"65535\n"}
-"""What ends the text at the beginning of a file."""
+"""Bytes that end the text at the beginning of a file."""
 
 
 def _damaged_glb(rng: random.Random, content: bytes) -> bytes:

@@ -1,4 +1,4 @@
-"""What `import` reads: tables, arrays, images and maps of ROS."""
+"""Inputs of `import`: tables, arrays, images and maps of ROS."""
 
 from __future__ import annotations
 

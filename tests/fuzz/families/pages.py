@@ -1,4 +1,4 @@
-"""What a server of the page is asked: conversations whose every call may be damaged."""
+"""Requests to a server of the page: conversations whose every call may be damaged."""
 
 from __future__ import annotations
 

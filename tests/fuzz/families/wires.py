@@ -1,4 +1,4 @@
-"""What a client of a running Gazebo hears: servers of either wire, whose every message may be damaged."""
+"""Messages to a client of a running Gazebo: servers of either wire, whose every message may be damaged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a page says, read back out of its HTML as a browser does."""
+"""Content of a page, read back out of its HTML as a browser does."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def heights_of(shown: dict[str, Any]) -> Array:
 
 
 def addresses(html: bytes) -> set[str]:
-    """What the tags of a page load from elsewhere."""
+    """Addresses that the tags of a page load from elsewhere."""
     loaded = {
         value for _, attrs in Tags(html.decode()).tags for name, value in attrs.items() if name in ("src", "href")
     }
