@@ -6,7 +6,7 @@ import copy
 import pickle
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import fields
 from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from typing import Any
@@ -123,13 +123,3 @@ def test_lists_are_taken_where_tuples_are() -> None:
     ]
     canonical += [recipe.level_colours, rows.rows, weights.weights, counts.counts, pallet.turns, platform.size]
     assert all(isinstance(value, tuple) for value in canonical)
-
-
-def test_one_number_stands_for_several_also_for_type_checkers() -> None:
-    """Mypy reads this file too, and takes what a call may set and what a field gives for two types."""
-    recipe = rsegen.Recipe(seed=1, chunks=2, level_friction=0.5, inventory=400, obstacles=[rsegen.Random(levels=2)])
-    assert [number + 1 for number in recipe.chunks] == [3, 3]
-    assert (recipe.level_friction, recipe.inventory) == ((0.5,), (400,))
-    assert replace(recipe, chunks=3).chunks == (3, 3)
-    assert [*rsegen.Platform(levels=3, size=4).size] == [4, 4]
-    assert [*rsegen.Pallet(levels=3, turns=1).turns] == [1]

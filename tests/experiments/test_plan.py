@@ -81,10 +81,6 @@ def test_larger_worlds_have_every_kind_for_every_pallet_along_a_side_and_frames_
                 assert (field.levels != build(row.map_of(size, seed=2)).levels).any()
 
 
-def test_one_size_of_a_row_may_be_a_bare_number() -> None:
-    assert [size + 0 for size in TableRow(sizes=10).sizes] == [10]
-
-
 def test_a_single_obstacle_is_on_ten_blocks() -> None:
     with pytest.raises(ParameterError, match="sizes: 20: a single peak is on 10 x 10 blocks"):
         TableRow(maps="peak", sizes=(10, 20))

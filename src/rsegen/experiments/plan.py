@@ -18,7 +18,6 @@ from typing import Annotated
 from rsegen.driving.drive import drivable
 from rsegen.errors import ParameterError, UnknownName, inside, refuse_unknown, shown
 from rsegen.field.crossing import SIDE, SPEED, TURN
-from rsegen.params.accepts import Accepts
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
@@ -84,9 +83,9 @@ class TableRow:
     turn: Annotated[float | None, TURN] = None
     robots: Annotated[int, Integer(1, 100, help="number of robots")] = 3
     sizes: Annotated[
-        Accepts[int | Sequence[int], Sequence[int]],
+        Sequence[int],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
-    ] = (0, 10, 20, 40, 60, 80)  # type: ignore[assignment]  # what it holds
+    ] = (0, 10, 20, 40, 60, 80)
     maps: Annotated[str, Choice(KINDS_OF_MAPS, help="what stands on the maps")] = "random"
     levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
     unit_cm: Annotated[

@@ -28,7 +28,6 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles.base import SLACK, Filling, Grid, Obstacle, Patch, register
 from rsegen.obstacles.rearranged import rearranged
-from rsegen.params.accepts import Accepts
 from rsegen.params.arrays import order_of_draws
 from rsegen.params.sorts import Cell, Choice, Integer, ListOf
 from rsegen.params.streams import Streams
@@ -76,10 +75,9 @@ class Pallet(Filling):
             help="random: both sides of the ridge are drawn; symmetric: one side mirrors the other",
         ),
     ] = "random"
-    turns: Annotated[
-        Accepts[int | Sequence[int], Sequence[int]],
-        ListOf(Integer(0, 3), help="quarter turns counterclockwise; several alternate"),
-    ] = (0,)  # type: ignore[assignment]  # what it holds
+    turns: Annotated[Sequence[int], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several alternate")] = (
+        0,
+    )
     step: Annotated[
         int,
         Integer(

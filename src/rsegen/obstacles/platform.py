@@ -18,7 +18,6 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.obstacles.base import Grid, Obstacle, Sloped, elementwise, register
 from rsegen.obstacles.ends import ends_of_size
-from rsegen.params.accepts import Accepts
 from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
 
@@ -31,9 +30,8 @@ class Platform(Sloped):
     also: ClassVar[tuple[str, ...]] = ("box", "block", "plateau")
 
     size: Annotated[
-        Accepts[int | Sequence[int], Sequence[int]],
-        Size2D(help="cells along x and y if first and last do not give them, at most those of the map"),
-    ] = (6, 6)  # type: ignore[assignment]  # what it holds
+        Sequence[int], Size2D(help="cells along x and y if first and last do not give them, at most those of the map")
+    ] = (6, 6)
     level: Annotated[
         int | None,
         Integer(

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
-from rsegen.params.accepts import Accepts
 from rsegen.params.sorts import MOST_LEVELS, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
@@ -108,9 +107,7 @@ class MapDesign:
     chunk_size: Annotated[
         int, Integer(1, 1000, unit="blocks", usual=(4, 40), help="blocks along one side of a chunk (pallet)")
     ] = 10
-    chunks: Annotated[
-        Accepts[int | Sequence[int], Sequence[int]], Size2D(help="map size in chunks: N for a square, or NxM")
-    ] = (1, 1)  # type: ignore[assignment]  # what it holds
+    chunks: Annotated[Sequence[int], Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
     unit_cm: Annotated[
         float, replace(_CENTIMETRES, help="unit of height; each block is a whole number of units high")
     ] = 10.0
@@ -164,13 +161,13 @@ class MapDesign:
         ),
     ] = 1.0
     inventory: Annotated[
-        Accepts[int | Sequence[int] | None, Sequence[int] | None],
+        Sequence[int] | None,
         ListOf(
             Integer(0, 10**9),
             help="blocks in stock, of level 1, 2, ...; no others are used",
             most=MOST_LEVELS,
         ),
-    ] = None  # type: ignore[assignment]  # what it holds
+    ] = None
     seed: Annotated[
         int, Integer(0, SEEDS - 1, help="random seed; if none is given, one is drawn and saved in recipe.json")
     ] = field(default_factory=fresh_seed)

@@ -12,10 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from rsegen.errors import ParameterError, refuse_other, shown
-from rsegen.params.accepts import Accepts
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, ListOf, Text, changed, parameters, plain, validate
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.map_design import MapDesign
@@ -92,9 +91,9 @@ class Representation:
     friction: Annotated[float, _FRICTION] = 1.0
     frame_friction: Annotated[float | None, replace(_FRICTION, help="friction of the frames, if different")] = None
     level_friction: Annotated[
-        Accepts[float | Sequence[float] | None, Sequence[float] | None],
+        Sequence[float] | None,
         ListOf(_FRICTION, help="friction of blocks of level 1, 2, ...; higher levels have that of the map"),
-    ] = None  # type: ignore[assignment]  # what it holds
+    ] = None
     units: Annotated[
         str,
         Choice(("cm", "in"), help="units of length on build sheets and in reports: cm and m, or in and ft"),
@@ -149,11 +148,6 @@ class Recipe(Representation, MapDesign, Run):
     obstacles : sequence of Obstacle, default ()
         The obstacles, of which later ones are imposed on earlier ones.
     """
-
-    if TYPE_CHECKING:  # mypy would take what a call may set for what a field of another frozen class gives
-        chunks: Accepts[int | Sequence[int], Sequence[int]] = (1, 1)  # type: ignore[assignment]
-        inventory: Accepts[int | Sequence[int] | None, Sequence[int] | None] = None  # type: ignore[assignment]
-        level_friction: Accepts[float | Sequence[float] | None, Sequence[float] | None] = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         validate(self)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.params.accepts import Accepts
 from rsegen.params.sorts import CENTIMETRES, Choice, Flag, Float, ListOf, Size2D, Text, parameters, validate
 from rsegen.recipe.map_design import MapDesign
 
@@ -56,11 +55,11 @@ class ScanOptions:
         ),
     ] = None
     size: Annotated[
-        Accepts[int | Sequence[int] | None, Sequence[int] | None],
+        Sequence[int] | None,
         Size2D(
             help="blocks of the field along x and y, frames not counted; default: the rectangle of all that is raised"
         ),
-    ] = None  # type: ignore[assignment]  # what it holds
+    ] = None
     base_cm: Annotated[
         float | None,
         Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: estimated"),
