@@ -86,6 +86,28 @@ def test_a_data_set_is_made_by_workers_and_ranked_by_the_file_s_metric(ramp: Pat
     assert done(ramp, tmp_path / "set", code=script) == "[ True  True]\n"
 
 
+@pytest.mark.slow
+def test_a_data_set_is_not_continued_with_a_file_that_was_changed(ramp: Path, tmp_path: Path) -> None:
+    command: list[str | Path] = [
+        "dataset",
+        "--plugin",
+        ramp,
+        *FLAGS,
+        "--maps",
+        "4",
+        "--shard-maps",
+        "2",
+        "-o",
+        tmp_path / "set",
+    ]
+    done(*command)
+    (tmp_path / "set" / "levels-00001.npy").unlink()
+    done(*command, "--resume")
+    ramp.write_text(RAMP.replace("+ 0 * y", "/ 2 + 0 * y"))
+    (tmp_path / "set" / "levels-00001.npy").unlink()
+    assert "contains a different data set" in refused(*command, "--resume")
+
+
 def test_a_module_is_loaded_by_its_name(ramp: Path, tmp_path: Path) -> None:
     ramp.rename(tmp_path / "ramps.py")
     assert "From ramps.\n" in done("obstacles", "--plugin", "ramps", packages=tmp_path)
