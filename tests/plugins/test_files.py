@@ -10,6 +10,7 @@ import pytest
 import rsegen
 from rsegen.errors import PluginError
 from tests.plugins.installed import EAGER, done, refused, run
+from tests.support.shells import completed
 
 RAMP = '''
 from dataclasses import dataclass
@@ -111,6 +112,13 @@ def test_a_data_set_is_not_continued_with_a_file_that_was_changed(ramp: Path, tm
 def test_a_module_is_loaded_by_its_name(ramp: Path, tmp_path: Path) -> None:
     ramp.rename(tmp_path / "ramps.py")
     assert "From ramps.\n" in done("obstacles", "--plugin", "ramps", packages=tmp_path)
+
+
+@pytest.mark.slow
+def test_a_shell_completes_what_the_file_brings(ramp: Path, tmp_path: Path) -> None:
+    file = ramp.rename(tmp_path / "ramp.py").name
+    assert completed(f"rsegen generate --plugin {file} --obstacle ramp", tmp_path) == {"ramp"}
+    assert completed("rsegen generate --plugin gone.py --obstacle ran", tmp_path) == {"random"}
 
 
 def test_every_command_names_the_flag_in_its_help() -> None:

@@ -32,7 +32,7 @@ from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parsed, parser_of
+from rsegen.cli.parser import FLAG, OVERVIEW, load_plugins, parsed, parser_of
 from rsegen.errors import (
     REFUSED,
     PluginWarning,
@@ -233,6 +233,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(words: Sequence[str], signals: Signals) -> int:
     try:
         if "_ARGCOMPLETE" in os.environ:  # argcomplete's own: a shell asks what may follow
+            from rsegen.cli.completion import complete
+
             complete()
         arguments = parsed(load_plugins(words))
         if not hasattr(arguments, "run"):
