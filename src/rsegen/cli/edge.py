@@ -148,7 +148,8 @@ def _of_plugin(error: BaseException) -> str:
     for frame, _ in reversed([*walk_tb(error.__traceback__)]):
         file = frame.f_code.co_filename
         if source := source_of_file(file):
-            return f"plug-in {source}: {failure(error, file)}"
+            place = f"{os.path.basename(file)}, " if source.version else ""  # a file is its own name
+            return f"plug-in {source}: {place}{failure(error, file)}"
     return ""
 
 
