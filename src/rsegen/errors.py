@@ -232,9 +232,10 @@ _HOW_MADE = {
 
 
 def refuse_other(where: str, value: object, *kinds: type) -> None:
-    """Raise a ParameterError for a value that is of none of these classes of `_HOW_MADE`, and say how one is made."""
+    """Raise a ParameterError for a value that is of none of these classes, and say how one is made, or where it is."""
     if not isinstance(value, kinds):
-        wanted = ", or a ".join(_HOW_MADE[kind.__name__] for kind in kinds)
+        named = (_HOW_MADE.get(kind.__name__, f"{kind.__name__} of {kind.__module__}") for kind in kinds)
+        wanted = ", or a ".join(named)
         raise ParameterError(where, f"{shown(value)} is not a {wanted}")
 
 

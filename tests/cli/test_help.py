@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +13,7 @@ import pytest
 import rsegen.cli
 from rsegen.cli.edge import main
 from rsegen.params.capabilities import GROUPS, commands
+from tests.support.shells import completed
 
 
 def helped(capsys: pytest.CaptureFixture[str], *command: str) -> str:
@@ -98,20 +97,37 @@ def test_quiet_prints_nothing_and_json_is_json(tmp_path: Path, capsys: pytest.Ca
         assert json.loads(capsys.readouterr().out)
 
 
-def test_a_shell_completes_commands_flags_and_words(tmp_path: Path) -> None:
-    def completed(line: str) -> set[str]:
-        """Answer of argcomplete to a shell, which reads it from file descriptor 8."""
-        out = tmp_path / "out"
-        command = f"exec {shlex.quote(sys.executable)} -m rsegen 8>{shlex.quote(str(out))} 9>/dev/null"
-        words = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n"}
-        subprocess.run(["bash", "-c", command], env=os.environ | words, check=True)
-        return set(out.read_text("utf-8").replace(" ", "").split("\n"))
-
-    assert completed("rsegen gen") == {"generate"}
-    assert completed("rsegen generate --lo") == {"--look"}
-    assert completed("rsegen generate --look ") == {"plain", "levels", "wood", "friction"}
-    assert completed("rsegen info mixed") == {"mixed-course"}
-    assert completed("rsegen drive --route ") == {"straight", "random", "way"}
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("gen", {"generate"}),
+        ("generate --lo", {"--look"}),
+        ("generate --look ", {"plain", "levels", "wood", "friction"}),
+        ("info mixed", {"mixed-course"}),
+        ("info my", {"my.yaml", "my.urdf"}),  # zsh and fish look for no files by themselves
+        ("drive --route ", {"straight", "random", "way"}),
+        ("generate --obstacle pe", {"peak"}),
+        ("generate --obstacle 'peak levels=5 sof", {"peak levels=5 softness="}),
+        ("drive --robot ja", {"jackal"}),
+        ("drive --robot my.u", {"my.urdf"}),
+        ("robot ja", {"jackal"}),
+        ("generate --crossable-by cr", {"crawler"}),
+        ("export peak --to st", {"stl"}),
+        ("export peak --to stl,mj", {"stl,mjcf"}),
+        ("series peak --by steps.r", {"steps.rms"}),
+        ("rate crawler --by mujoco,pr", {"mujoco,prediction"}),
+        ("experiment qu", {"quick"}),
+        ("experiment quick --simulator classic,mu", {"classic,mujoco"}),
+        ("completion z", {"zsh"}),
+        ("man gen", {"generate"}),
+        ("schema gen", {"generate"}),
+    ],
+)
+@pytest.mark.slow
+def test_a_shell_completes_commands_flags_words_and_files(line: str, answer: set[str], tmp_path: Path) -> None:
+    (tmp_path / "my.yaml").touch()
+    (tmp_path / "my.urdf").touch()
+    assert completed(f"rsegen {line}", tmp_path) == answer
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

@@ -12,7 +12,7 @@ import pytest
 
 import rsegen
 from rsegen.params.command import Declared, Shell, command, declared
-from rsegen.params.docstrings import described
+from rsegen.params.docstrings import described, without_flags
 from rsegen.params.sorts import Choice, Flag, Float, Reference
 
 
@@ -68,7 +68,7 @@ def test_unit_range_default_and_help_of_a_declaration_are_in_the_docstring(name:
     entries, arguments = described_parameters(public), signature(public).parameters
     for parameter in declared(public).values():
         type_, text = entries[parameter.name]
-        assert parameter.sort.help[1:] in text
+        assert without_flags(parameter.sort.help)[1:] in text
         assert all(value in f"{type_} {text}" for value in values_of(parameter))
         default = arguments[parameter.name].default
         assert type_.endswith((f", default {default!r}", ", optional", f", default {str(default)!r}")) == (
@@ -120,3 +120,9 @@ def test_a_declared_parameter_is_put_between_those_that_a_docstring_describes() 
     assert str(signature(brew)) == (
         "(water: object, heat: float | None = None, kind: str = 'black', *, milk: object = None) -> int"
     )
+
+
+@pytest.mark.parametrize("name", DECLARING)
+def test_flags_are_parameters_in_docstrings(name: str) -> None:
+    for _, text in described_parameters(getattr(rsegen, name)).values():
+        assert not re.search(r"(?<![\w-])--[a-z]", text.replace("`rsegen metrics --csv`", "")), text

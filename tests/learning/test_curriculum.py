@@ -48,6 +48,7 @@ def test_rows_that_are_no_integers_are_refused() -> None:
     [
         ({"walked": WALKED[:1]}, r"walked: of shape \(1,\) for 6 robots; expected one for each"),
         ({"commanded": COMMANDED[:, None]}, r"commanded: of shape \(6, 1\) for 6 robots; expected one for each"),
+        ({"walked": np.array(["far"] * 6)}, "walked: of <U3; expected metres"),
         ({"count": 0}, "count: 0 is not 1 or more"),
         ({"length": np.nan}, "length: nan is not a finite number"),
         ({"rng": 7}, "rng: 7 is no Generator of numpy, and the arrays are of numpy"),

@@ -153,6 +153,14 @@ def test_an_environment_has_a_new_field_at_each_reset() -> None:
     assert np.array_equal(env.ground.levels, rsegen.build(RECIPE, 17).levels)
 
 
+@pytest.mark.parametrize("index", [-1, 1.5, "17", None])
+def test_a_map_of_a_reset_is_a_whole_number(index: object) -> None:
+    spec = mujoco.MjSpec()
+    GRID.add_to(spec)
+    with pytest.raises(ParameterError, match=r"^options\['map'\]: "):
+        NewFieldAtReset(Dropped(spec), GRID).reset(options={"map": index})
+
+
 def test_maps_that_are_made_ahead_are_those_of_the_recipe() -> None:
     spec = mujoco.MjSpec()
     grid = BlockGrid(Recipe(seed=7, chunk_size=3, maps=4, first_map=6, boundary="none", obstacles=[Random(levels=6)]))
@@ -180,5 +188,5 @@ def test_what_is_no_model_with_the_blocks_is_refused() -> None:
         NewFieldAtReset(Dropped(mujoco.MjSpec()), GRID)
     with pytest.raises(UserError, match="has no model of MuJoCo; use one of Gymnasium's MujocoEnv"):
         NewFieldAtReset(gymnasium.make("CartPole-v1"), GRID)
-    with pytest.raises(ParameterError, match=r"grid: a list; expected the BlockGrid of rsegen\.learning\.mujoco"):
+    with pytest.raises(ParameterError, match=r"grid: .* is not a BlockGrid of rsegen\.learning\.mujoco"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), [GRID])  # type: ignore[arg-type]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Random, Recipe
+from rsegen import Ground, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.recipe.examples import EXAMPLES
 
@@ -146,6 +146,23 @@ def test_values_that_a_grid_cannot_hold_are_refused() -> None:
         adapter.BlockGrid(RECIPE, pos=(1, 2))
     with pytest.raises(ParameterError, match=r"pos: \(nan, 0, 0\) is not x, y and z in metres"):
         adapter.BlockGrid(RECIPE, pos=(np.nan, 0, 0))
+    with pytest.raises(ParameterError, match=r"levels: of shape \(2, 3, 3\) for a grid of \(6, 12\)"):
+        adapter.BlockGrid(RECIPE).ground(np.zeros((2, 3, 3), dtype=int))
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: adapter.BlockGrid("rubble"), "recipe: 'rubble' is not a recipe, which rsegen.load reads"),
+        (lambda: adapter.BlockGrid(RECIPE, contact=3), "contact: 3 is not a Contact of rsegen.scene.contact"),
+        (lambda: adapter.add_map(mujoco.MjSpec(), RECIPE), "scene: .* is not a scene, which rsegen.compose makes"),
+        (lambda: adapter.add_terrain(mujoco.MjSpec(), RECIPE), "terrain: .* is not a Terrain of rsegen.learning"),
+        (lambda: Ground.of("rubble"), "scene: .* is not a scene, which rsegen.compose makes"),  # type: ignore[arg-type]
+    ],
+)
+def test_a_value_of_another_class_is_refused_with_what_makes_one(made: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        made()
 
 
 def test_what_is_not_written_leaves_the_model_as_it_was() -> None:

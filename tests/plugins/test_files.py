@@ -10,6 +10,7 @@ import pytest
 import rsegen
 from rsegen.errors import PluginError
 from tests.plugins.installed import EAGER, done, refused, run
+from tests.support.shells import completed
 
 RAMP = '''
 from dataclasses import dataclass
@@ -86,9 +87,38 @@ def test_a_data_set_is_made_by_workers_and_ranked_by_the_file_s_metric(ramp: Pat
     assert done(ramp, tmp_path / "set", code=script) == "[ True  True]\n"
 
 
+@pytest.mark.slow
+def test_a_data_set_is_not_continued_with_a_file_that_was_changed(ramp: Path, tmp_path: Path) -> None:
+    command: list[str | Path] = [
+        "dataset",
+        "--plugin",
+        ramp,
+        *FLAGS,
+        "--maps",
+        "4",
+        "--shard-maps",
+        "2",
+        "-o",
+        tmp_path / "set",
+    ]
+    done(*command)
+    (tmp_path / "set" / "levels-00001.npy").unlink()
+    done(*command, "--resume")
+    ramp.write_text(RAMP.replace("+ 0 * y", "/ 2 + 0 * y"))
+    (tmp_path / "set" / "levels-00001.npy").unlink()
+    assert "contains a different data set" in refused(*command, "--resume")
+
+
 def test_a_module_is_loaded_by_its_name(ramp: Path, tmp_path: Path) -> None:
     ramp.rename(tmp_path / "ramps.py")
     assert "From ramps.\n" in done("obstacles", "--plugin", "ramps", packages=tmp_path)
+
+
+@pytest.mark.slow
+def test_a_shell_completes_what_the_file_brings(ramp: Path, tmp_path: Path) -> None:
+    file = ramp.rename(tmp_path / "ramp.py").name
+    assert completed(f"rsegen generate --plugin {file} --obstacle ramp", tmp_path) == {"ramp"}
+    assert completed("rsegen generate --plugin gone.py --obstacle ran", tmp_path) == {"random"}
 
 
 def test_every_command_names_the_flag_in_its_help() -> None:

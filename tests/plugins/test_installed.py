@@ -166,6 +166,37 @@ def test_a_data_set_of_it_is_made_by_workers_and_read(packages: Path, tmp_path: 
     assert "'ramp' of rsegen-demo 1.2 is not installed" in refused("info", f"{tmp_path / 'set'}#3")
 
 
+ON_RAMPS = "{robots: 1, sizes: [10], recipe: {obstacles: [{kind: ramp, levels: 2}]}}"
+BY_ONE = "{robot: tall_burger, robots: 1, sizes: [10]}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", [ON_RAMPS, BY_ONE])
+def test_an_experiment_is_not_continued_with_another_version(row: str, tmp_path: Path) -> None:
+    (tmp_path / "plan.yaml").write_text(f"{{seconds: 1, repeats: 1, paces: [free], rows: [{row}]}}")
+    command: list[str | Path] = [
+        "experiment",
+        tmp_path / "plan.yaml",
+        "--simulator",
+        "mujoco",
+        "-q",
+        "-o",
+        tmp_path / "costs",
+    ]
+    done(*command, packages=install(tmp_path / "1"))
+    done(*command, packages=tmp_path / "1")
+    assert "of a robot or plug-in that was changed" in refused(*command, packages=install(tmp_path / "2", "1.3"))
+
+
+@pytest.mark.slow
+def test_a_rating_is_not_continued_with_another_version_of_the_robot(tmp_path: Path) -> None:
+    flags = ["--by", "prediction", "--seed", "1", "-q"]
+    command: list[str | Path] = ["rate", "tall_burger", *flags, "-o", tmp_path / "rating", "--trials"]
+    done(*command, "8", packages=install(tmp_path / "1"))
+    done(*command, "9", packages=tmp_path / "1")
+    assert "has another rating" in refused(*command, "10", packages=install(tmp_path / "2", "1.3"))
+
+
 def test_a_simulator_is_opened_by_its_name_if_it_is_there(packages: Path, worlds: Path) -> None:
     assert "Pencil and Paper" in refused("open", worlds, "--simulator", "paper", packages=packages)
 

@@ -111,6 +111,7 @@ def test_a_robot_without_collision_shapes_is_refused_in_a_line(tmp_path: Path) -
     [
         ((0.6, 0, 0), r"^x: 0\.6 m is outside the field, -0\.5\.\.0\.5 m$"),
         ((0, [-0.4, -0.7], 0), r"^y: -0\.7 m is outside the field"),
+        (([0, 0.1, 0.2], [0, 0.1], 0), r"^x, y and heading of shapes \(3,\), \(2,\), \(\) do not go together"),
         ((0, 0, float("nan")), "^heading: has a number that is not finite$"),
         (("a", 0, 0), "^x: 'a' is not a number, nor an array of them$"),
     ],

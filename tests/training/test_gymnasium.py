@@ -164,11 +164,33 @@ def test_a_period_of_no_time_is_refused() -> None:
         Crossing(recipe=RECIPE, period=0.0)
     with pytest.raises(ParameterError, match="seconds: inf is not a finite number"):
         Crossing(recipe=RECIPE, seconds=np.inf)
+    with pytest.raises(ParameterError, match="period: 'a' is not a number"):
+        Crossing(recipe=RECIPE, period="a")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match=r"flipper_speed: -1 is outside 0\.\.1000 rad/s"):
         Crossing(recipe=RECIPE, flipper_speed=-1)
 
 
-@pytest.mark.parametrize("action", [[0.0], [0.0, np.nan, 0.0, 0.0], [np.inf] * 4, None, 0.5, np.zeros((1, 4))])
+def test_a_value_of_another_class_is_refused(env: CrossingEnv) -> None:
+    with pytest.raises(ParameterError, match="recipe: 'rubble' is not a recipe"):
+        Crossing(recipe="rubble")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="uses_flippers: 'held' is neither yes nor no"):
+        Crossing(recipe=RECIPE, uses_flippers="held")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match=r"crossing: .* is not a Crossing of rsegen\.training\.crossing"):
+        CrossingEnv(RECIPE)  # type: ignore[arg-type]
+
+
+def test_a_step_before_the_first_reset_is_refused(env: CrossingEnv) -> None:
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(np.zeros(4))
+
+
+def test_videos_of_long_periods_have_a_picture_per_second_at_least() -> None:
+    assert CrossingEnv(Crossing(recipe=RECIPE, period=3.0)).metadata["render_fps"] == 1
+
+
+@pytest.mark.parametrize(
+    "action", ["abc", [[0.0], [0.0, 0.0]], [0.0], [0.0, np.nan, 0.0, 0.0], [np.inf] * 4, None, 0.5, np.zeros((1, 4))]
+)
 def test_an_action_that_is_none_is_refused_and_changes_nothing(env: CrossingEnv, action: Any) -> None:
     observation, _ = env.reset(seed=5)
     with pytest.raises(ParameterError, match=r"^action: .*; expected 4 finite numbers from -1 to 1$"):

@@ -257,6 +257,30 @@ def test_a_worker_that_is_killed_while_it_sends_its_result_is_lost() -> None:
     assert not [one for one in psutil.Process().children() if "spawn_main" in " ".join(one.cmdline())]
 
 
+def with_a_helper(batch: Sequence[int]) -> None:
+    """In a worker: as GLFW does when it is imported, which MuJoCo does."""
+    helper = "print(1, flush=True); input()"
+    with subprocess.Popen([sys.executable, "-c", helper], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as asked:
+        assert asked.stdout
+        asked.stdout.readline()
+        if batch[0]:
+            time.sleep(PATIENCE)
+        asked.kill()
+
+
+@pytest.mark.slow
+def test_what_a_library_started_in_a_worker_ends_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
+    results = execute(with_a_helper, range(8), 10.0, Execution(workers=2))
+    next(results)
+    own, end = psutil.Process(), time.monotonic() + PATIENCE
+    while not (helpers := [one for one in own.children(recursive=True) if "input()" in " ".join(one.cmdline())]):
+        assert time.monotonic() < end
+    time.sleep(0.5)  # until it waits for an answer
+    results.close()
+    assert not psutil.wait_procs(helpers, timeout=PATIENCE)[1]
+    assert capfd.readouterr().err == ""
+
+
 POLITE = 'trap "echo asked >>told; exit 0" INT; echo begun >>told; while :; do sleep 0.05; done'
 
 

@@ -32,7 +32,7 @@ from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parsed, parser_of
+from rsegen.cli.parser import FLAG, OVERVIEW, load_plugins, parsed, parser_of
 from rsegen.errors import (
     REFUSED,
     PluginWarning,
@@ -148,7 +148,8 @@ def _of_plugin(error: BaseException) -> str:
     for frame, _ in reversed([*walk_tb(error.__traceback__)]):
         file = frame.f_code.co_filename
         if source := source_of_file(file):
-            return f"plug-in {source}: {failure(error, file)}"
+            place = f"{os.path.basename(file)}, " if source.version else ""  # a file is its own name
+            return f"plug-in {source}: {place}{failure(error, file)}"
     return ""
 
 
@@ -235,6 +236,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(words: Sequence[str], signals: Signals) -> int:
     try:
         if "_ARGCOMPLETE" in os.environ:  # argcomplete's own: a shell asks what may follow
+            from rsegen.cli.completion import complete
+
             complete()
         arguments = parsed(load_plugins(words))
         if not hasattr(arguments, "run"):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,10 +35,11 @@ def add_input(
     group: Any, text: str = RECIPE_HELP, *, name: str = "recipe", nargs: str = "?", metavar: str = "RECIPE"
 ) -> None:
     """Add the argument that says where a recipe or map is, or several; a shell completes the names of examples."""
-    group.add_argument(name, nargs=nargs, metavar=metavar, help=text).completer = _examples
+    argument: Any = group.add_argument(name, nargs=nargs, metavar=metavar, help=text)
+    argument.words = _examples
 
 
-def _examples(**_: object) -> Collection[str]:
+def _examples() -> Collection[str]:
     from rsegen.recipe.examples import EXAMPLES
 
     return EXAMPLES
@@ -66,8 +67,22 @@ def _recipe_group(command: Parser, text: str) -> Group:
     """Return a new group of flags of a recipe, which has --obstacle."""
     group = command.group(RECIPE, text)
     example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
-    group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
+    row: Any = group.add_argument(
+        "--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example
+    )
+    row.completer = _obstacles
     return group
+
+
+def _obstacles(*, prefix: str, **_: object) -> Iterable[str]:
+    """Return what may stand in a row of an obstacle: a kind, or behind it the parameters."""
+    from rsegen.obstacles.base import KINDS, row_parameters
+
+    kind, *rest = prefix.split(" ")
+    if not rest:
+        return KINDS
+    names = row_parameters(KINDS[kind]) if kind in KINDS else ()
+    return [f"{prefix.rpartition(' ')[0]} {name}=" for name in names]
 
 
 def recipe_from(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe:

@@ -78,20 +78,6 @@ rsegen makes Random Step Environments (NIST stepfields) as worlds and models for
 """Text that `rsegen` without arguments prints."""
 
 
-def complete() -> None:
-    """Answer a shell that asks what may follow, and end."""
-    import argcomplete
-
-    top, words = parser(), os.environ.get("COMP_LINE", "").split()[1:]
-    named = next((word for word in words if word in commands()), None)
-    parsers = top.add_subparsers(parser_class=Parser)
-    for name in commands():  # argcomplete looks into each parser
-        empty = parsers.add_parser(name)
-        if name == named:
-            parser_of(name, empty).describe_flags()
-    argcomplete.autocomplete(top, always_complete_options="long")
-
-
 FLAG = "--plugin"
 VARIABLE = "RSEGEN_PLUGINS"
 """Environment variable with the plug-ins of every command, separated like PATH."""
@@ -278,14 +264,11 @@ def _problem_of_output(action: argparse.Action, value: object) -> str:
 
 
 def _describe(action: Any, parameter: Any) -> None:
-    """Give the action of a declared parameter the help, metavar and completer that it lacks."""
+    """Give the action of a declared parameter the help and metavar that it lacks."""
     if action.help is None:
         action.help = parameter.help.replace("%", "%%")
     if action.metavar is None and action.nargs != 0:
         action.metavar = parameter.metavar
-    known, words = parameter.known_names, parameter.words
-    if not hasattr(action, "completer") and (known or words):
-        action.completer = lambda **_: known() if known else words
 
 
 def _row(name: str, text: str) -> argparse.Action:

@@ -93,10 +93,11 @@ def _kinds() -> Iterator[str]:
 
 def add_schema(command: Parser) -> None:
     """Add the argument of `rsegen schema`."""
-    named = ", ".join(name for name, known in commands().items() if known.function)
     text = "Print the JSON Schema (2020-12) of recipe files, with which editors complete and check recipes; or of the "
     command.explain(f"{text}parameters of a command, for making a form.")
-    command.add_argument("command", nargs="?", metavar="COMMAND", help=named)
+    functions = [name for name, known in commands().items() if known.function]
+    argument: Any = command.add_argument("command", nargs="?", metavar="COMMAND", help=", ".join(functions))
+    argument.completer = lambda **_: functions
 
 
 def run_schema(arguments: argparse.Namespace) -> Report:
@@ -126,7 +127,8 @@ def add_completion(command: Parser) -> None:
     )
     command.explain("Print a shell completion script: Tab then completes commands, flags and their values.", epilog)
     text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
-    command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
+    argument: Any = command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
+    argument.completer = lambda **_: _SHELLS
 
 
 def run_completion(arguments: argparse.Namespace) -> Report:
@@ -145,7 +147,9 @@ def add_man(command: Parser) -> None:
     text = "Print the manual page of rsegen, or of one of its commands, for the program man."
     epilog = "To read one: rsegen man generate | man -l -. To install it: rsegen man generate > "
     command.explain(text, f"{epilog}~/.local/share/man/man1/rsegen-generate.1, and then: man rsegen-generate.")
-    command.add_argument("command", nargs="?", metavar="COMMAND", help="default: the list of commands")
+    text = "default: the list of commands"
+    argument: Any = command.add_argument("command", nargs="?", metavar="COMMAND", help=text)
+    argument.completer = lambda **_: commands()
 
 
 def run_man(arguments: argparse.Namespace) -> Report:

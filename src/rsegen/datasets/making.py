@@ -111,8 +111,8 @@ def _existing(layout: ShardLayout, folder: Path, on_existing: OnExisting) -> lis
         return []
     if journal.of != identity(layout):
         raise OutputError(
-            f"{folder}: contains a different data set (seed, number of maps, their design, maps per file, metrics or "
-            "rsegen's version differ); use those of the interrupted run, or another folder"
+            f"{folder}: contains a different data set (seed, number of maps, their design, maps per file, metrics, "
+            "a plug-in or rsegen's version differ); use those of the interrupted run, or another folder"
         )
     return complete_shards(layout, folder, journal)
 

@@ -23,7 +23,7 @@ from rsegen.cli.report import (
 )
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors, given
 from rsegen.params.sorts import ListOf, Reference
-from rsegen.simulators.parameters import Timeout, ignore
+from rsegen.simulators.parameters import Timeout, ignore, known_simulators
 
 if TYPE_CHECKING:
     from rsegen.experiments.plan import Cell, ExperimentPlan
@@ -42,7 +42,7 @@ def experiment(  # noqa: PLR0913  # each is a flag
             help="Gazebo Sim (sim), Gazebo Classic (classic), MuJoCo (mujoco), or several as classic,mujoco, which are "
             "compared",
         ),
-        Shell(metavar="NAME[,NAME]", default="the newest Gazebo that is installed"),
+        Shell(metavar="NAME[,NAME]", default="the newest Gazebo that is installed", known=known_simulators),
     ] = None,
     force: Force = False,
     timeout: Timeout = 20.0,

@@ -36,6 +36,8 @@ from rsegen.experiments.trial_server import TrialSimulator, refuse_without_frame
 from rsegen.input_files import JOURNAL, checksum_of
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, Text
 from rsegen.recipe import recipe_file
+from rsegen.recipe.codec import plugin_identities, plugin_sources
+from rsegen.robots.base import ROBOTS
 from rsegen.robots.sdf_file import is_robot_file
 from rsegen.robots.xacro_files import with_arguments
 from rsegen.simulators.embedded import embedded_simulator
@@ -159,8 +161,8 @@ def _description() -> dict[str, str]:
 
 def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> AbstractContextManager[Store]:
     """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
-    of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan)}))
-    other = "the outcomes of another plan; use another folder, or force=True"
+    of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan), **_plugins(plan)}))
+    other = "the outcomes of another plan, or of a robot or plug-in that was changed; use another folder, or force=True"
     return continued(folder, HOLDS, of, (*REPORT_FILES, *track_names(plan)), force=force, other=other)
 
 
@@ -169,6 +171,12 @@ def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
     files = [with_arguments(row.robot)[0] for row in plan.rows if is_robot_file(row.robot)]
     checksums = {file: checksum.sha256 for file in files if (checksum := checksum_of(Path(file)))}
     return {"robot_files": checksums} if checksums else {}
+
+
+def _plugins(plan: ExperimentPlan) -> dict[str, Json]:
+    """Return the plug-ins of robots and obstacles: outcomes of another version are not those of the plan either."""
+    obstacles = plugin_sources(row.map_of(max(row.sizes), plan.seed) for row in plan.rows)
+    return plugin_identities([*(ROBOTS.source(row.robot) for row in plan.rows), *obstacles.values()])
 
 
 def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:

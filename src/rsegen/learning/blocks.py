@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.ground import Ground, check_levels, friction_by_level, position_of, unframed
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT
 from rsegen.scene.scene import Scene
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
@@ -29,6 +30,7 @@ class BlockArrays:
     """
 
     def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
+        refuse_other("recipe", recipe, Recipe)
         if recipe.boundary != "none":
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames, and a grid has only blocks; use none")
         self.recipe: Recipe = recipe
@@ -46,7 +48,12 @@ class BlockArrays:
 
     def ground(self, levels: Any) -> Ground:
         """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
-        return Ground(self.recipe, levels, self.position)
+        return self._ground(levels, CONTACT.priority)
+
+    def _ground(self, levels: Any, priority: int) -> Ground:
+        ground = Ground(self.recipe, levels, self.position, priority=priority)
+        self._refuse_other_shape(tuple(ground.levels.shape))
+        return ground
 
     @cached_property
     def names(self) -> list[str]:
@@ -84,11 +91,14 @@ class BlockArrays:
         own = np.asarray(levels)
         if own.dtype.kind not in "iu":
             raise ParameterError("levels", f"of {own.dtype}; expected integers, in units")
-        if own.shape[-2:] != self.shape:
-            raise ParameterError("levels", f"of shape {own.shape} for a grid of {self.shape}")
+        self._refuse_other_shape(own.shape)
         if own.size:
             check_levels(own, self.recipe.highest_level)
         return np.asarray(own * self._unit, dtype=float)
+
+    def _refuse_other_shape(self, shape: tuple[int, ...]) -> None:
+        if shape[-2:] != self.shape:
+            raise ParameterError("levels", f"of shape {shape} for a grid of {self.shape}")
 
 
 def _rows(values: Array) -> Array:

@@ -16,7 +16,9 @@ from rsegen.learning.arrays import (
     array_like,
     as_type,
     draws_of,
+    is_real,
     is_traced,
+    is_whole,
     library_of,
 )
 from rsegen.params.sorts import Float, Integer
@@ -64,6 +66,8 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
 def _of_robots(rows: Any, where: str, values: Any) -> Any:
     """Return a number of each robot as an array like that of their rows; one number is that of all."""
     own = array_like(rows, values)
+    if not (is_real(own) or is_whole(own)):
+        raise ParameterError(where, f"of {own.dtype}; expected metres")
     if tuple(own.shape) not in {(), tuple(rows.shape)}:
         raise ParameterError(where, f"of shape {tuple(own.shape)} for {len(rows)} robots; expected one for each")
     return own

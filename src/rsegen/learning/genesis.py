@@ -13,6 +13,7 @@ from typing import Any
 import genesis as gs
 import numpy as np
 
+from rsegen.errors import refuse_other
 from rsegen.field.stepfield import StepField
 from rsegen.learning.ground import position_of
 from rsegen.learning.tile import corner_heights
@@ -27,6 +28,7 @@ def terrain_morph(field: StepField, pos: Sequence[float] = (0, 0, 0), samples: i
     samples: of heights along each side of a block. A height field has slopes in place of vertical sides: that of a
     higher block begins at its edge, and ends on the lower one, a sample farther on.
     """
+    refuse_other("field", field, StepField)
     samples, middle = _SAMPLES.check("samples", samples), position_of(pos)
     return gs.morphs.Terrain(
         pos=tuple((middle - [*np.array(field.extent) / 2, 0.0]).tolist()),

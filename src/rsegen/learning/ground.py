@@ -169,6 +169,7 @@ class Ground:
     @classmethod
     def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
         """Return the ground of a scene of `rsegen.compose`, whose map may have frames; it cannot be written."""
+        refuse_other("scene", scene, Scene)
         field, recipe = scene.field, scene.recipe
         # A frame is one more material. Materials are sorted by height, so the higher of two cells has the higher index.
         levels = range(recipe.highest_level + 1)

@@ -16,17 +16,20 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from rsegen.errors import ParameterError, UserError
+from rsegen.errors import UserError, refuse_other
 from rsegen.field.stepfield import Levels
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
 from rsegen.learning.seating import Seats
+from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
 from rsegen.recipe.recipe import Recipe
 
 _AHEAD = 64
 """Maps that are made together: `build_many` makes dozens of small maps in little more than the time of one."""
+
+_INDEX = Integer(0, SEEDS - 1)
 
 
 class MapDraws:
@@ -39,7 +42,7 @@ class MapDraws:
     def next(self, options: dict[str, Any] | None = None) -> tuple[int, Levels]:
         """Return the index and the levels of the next map, or of that which the options of a reset name as `map`."""
         if options and "map" in options:
-            index = options["map"]
+            index = _INDEX.check("options['map']", options["map"])
             return index, build_many(self._recipe, [index])[0]
         if not self._drawn:  # many are drawn and made together
             recipe = self._recipe
@@ -62,8 +65,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
         gymnasium.Wrapper.__init__(self, env)
         self.grid = grid
         model = getattr(self.unwrapped, "model", None)
-        if not isinstance(grid, BlockGrid):
-            raise ParameterError("grid", f"a {type(grid).__name__}; expected the BlockGrid of rsegen.learning.mujoco")
+        refuse_other("grid", grid, BlockGrid)
         if model is None:
             raise UserError(f"{self.unwrapped} has no model of MuJoCo; use one of Gymnasium's MujocoEnv")
         grid.geoms(model)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.errors import ParameterError, UnknownName
+from rsegen.errors import ParameterError, UnknownName, refuse_other
 from rsegen.field.stepfield import Levels
 from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning.ground import unframed
@@ -49,6 +49,7 @@ class StepFieldTerrain:
         spawn_radius: float = 1.0,
         surface: str = "merged",
     ) -> None:
+        refuse_other("terrain", terrain, Terrain)
         samples, radius = _SAMPLES.check("samples", samples), _RADIUS.check("spawn_radius", spawn_radius)
         if surface not in MESHES:
             raise UnknownName.among("surface", "mesh", surface, MESHES)

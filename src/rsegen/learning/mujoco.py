@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
@@ -47,6 +47,7 @@ def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: 
 
     Add it last: a robot that collides with nothing, or by pairs alone, then collides with the blocks.
     """
+    refuse_other("scene", scene, Scene)
     let_touch(spec)
     body = spec.worldbody.add_body(name=scene.name, pos=list(pos))
     for index, column in enumerate(columns(scene.field)):
@@ -62,6 +63,7 @@ def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), c
     Each tile has the friction of its own recipe. The boxes reach a unit below z = 0, as level ground has a friction
     too, so add no plane; and add the terrain last, as a map.
     """
+    refuse_other("terrain", terrain, Terrain)
     let_touch(spec)
     body = spec.worldbody.add_body(name=terrain.name, pos=list(pos))
     field, frictions, look = (
@@ -234,11 +236,12 @@ class BlockGrid(BlockArrays):
         self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT
     ) -> None:
         super().__init__(recipe, name, pos)
+        refuse_other("contact", contact, Contact)
         self.contact: Contact = contact
 
     def ground(self, levels: Any) -> Ground:
         """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
-        return Ground(self.recipe, levels, self.position, priority=self.contact.priority)
+        return self._ground(levels, self.contact.priority)
 
     def add_to(self, spec: Any) -> Any:
         """Add the blocks to an MjSpec as a static body, all as high as the highest; gives the body.

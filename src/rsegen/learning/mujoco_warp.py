@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import Ground
@@ -30,6 +30,7 @@ class BlocksOfWorlds:
     """
 
     def __init__(self, grid: BlockGrid, compiled: Any, model: Any, data: Any) -> None:
+        refuse_other("grid", grid, BlockGrid)
         self.grid: BlockGrid = grid
         self._part, self._data = grid.geoms(compiled), data
         self.worlds: int = data.nworld

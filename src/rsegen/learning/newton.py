@@ -15,7 +15,7 @@ import newton
 import numpy as np
 import warp as wp
 
-from rsegen.errors import ParameterError, UnknownName
+from rsegen.errors import ParameterError, UnknownName, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import columns
 from rsegen.geometry.watertight_mesh import watertight
@@ -34,6 +34,7 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape:
 
     shape: `boxes` of one level each, or a closed `mesh` for each friction coefficient. Each has its own friction.
     """
+    refuse_other("scene", scene, Scene)
     if shape not in SHAPES:
         raise UnknownName.among("shape", "shape", shape, SHAPES)
     at = position_of(pos)

@@ -21,7 +21,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from rsegen.errors import ParameterError, UserError
+from rsegen.errors import ParameterError, UserError, refuse_other
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import unframed
@@ -42,6 +42,7 @@ class Floor:
     """
 
     def __init__(self, recipe: Recipe, *, border: int = 10, samples: int = 4, spawn_radius: float = 1.0) -> None:
+        refuse_other("recipe", recipe, Recipe)
         if recipe.boundary != "none" or not recipe.is_of_one_friction:
             name = "level_friction" if recipe.boundary == "none" else "boundary"
             raise ParameterError(name, "a height field has one friction and no frames; set only `friction`")

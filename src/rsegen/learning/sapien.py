@@ -16,6 +16,7 @@ from typing import Any
 import sapien
 from sapien.physx import PhysxMaterial
 
+from rsegen.errors import refuse_other
 from rsegen.geometry.box_merging import columns
 from rsegen.learning.ground import position_of
 from rsegen.scene.scene import Scene
@@ -32,6 +33,7 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), *, vis
     def material(friction: float) -> Any:
         return PhysxMaterial(friction, friction, 0.0)
 
+    refuse_other("scene", scene, Scene)
     count, middle = 0, position_of(pos)
     for column in columns(scene.field):
         place = sapien.Pose((middle + column.centre).tolist())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -43,6 +44,12 @@ class CrosserSort(Parameter):
         return "a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30"
 
 
+def _metrics() -> Iterable[str]:
+    from rsegen.measuring.catalogue import METRICS, UNITS
+
+    return [*UNITS, *METRICS]
+
+
 By = Annotated[
     Any,
     Reference(
@@ -50,7 +57,7 @@ By = Annotated[
         help="metric that rises evenly, such as opening.west_east or, with a robot, reach.west_east.tilt",
         types=(object,),
     ),
-    Shell(metavar="METRIC"),
+    Shell(metavar="METRIC", known=_metrics),
 ]
 
 

@@ -8,9 +8,6 @@ commands `command_forms.py` makes the forms.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
-from importlib import import_module
 from inspect import Parameter as Argument
 from math import inf
 from pathlib import Path
@@ -18,21 +15,11 @@ from typing import Any, Literal, TypedDict, cast
 
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import PLACING, own_parameters
-from rsegen.params.capabilities import capabilities
+from rsegen.params.capabilities import known_words
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Float, Integer, Json, Parameter, plain
 from rsegen.recipe.recipe import Recipe
-
-
-@cache
-def known_words() -> Mapping[str, Any]:
-    """Return the known words of parameters that take these or something else, such as a file, by their names."""
-    places = {name: place for known in capabilities().values() for name, place in known.words.items()}
-    return {
-        name: getattr(import_module(place.partition(":")[0]), place.partition(":")[2]) for name, place in places.items()
-    }
-
 
 TITLES = {
     "maps": "Number of maps",

@@ -8,9 +8,10 @@ from rsegen import __version__
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.page.calls import call_of_host
 from rsegen.page.command_forms import DescribedCommand, command_forms
-from rsegen.page.forms import Group, Kind, global_groups, kinds, known_words, metric_title
+from rsegen.page.forms import Group, Kind, global_groups, kinds, metric_title
 from rsegen.page.host import Host
 from rsegen.page.places import names_in
+from rsegen.params.capabilities import known_words
 from rsegen.params.registry import summary_of_class
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load

@@ -243,6 +243,19 @@ def offered_modules(group: str) -> Mapping[str, str]:
 
 
 @cache
+def known_words() -> Mapping[str, Any]:
+    """Return the known words of parameters that take these or something else, such as a file, by their names."""
+    words = {}
+    for owner, known in capabilities().items():
+        for name, place in known.words.items():
+            try:
+                words[name] = _of_package(owner, partial(_imported, place))
+            except PluginError as error:
+                left_out(str(error))
+    return words
+
+
+@cache
 def all_extras() -> Mapping[str, Extra]:
     """Return every extra by its name; what several capabilities use it for is joined."""
     joined: dict[str, Extra] = {}

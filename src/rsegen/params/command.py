@@ -36,7 +36,7 @@ class Shell:
     """The form of a parameter on the command line, if not `--its-name VALUE` with the help of its sort.
 
     flags: in place of --its-name; metavar: the value in the help; default: in words, where the signature says None;
-    required: whether a shell must give what Python may leave out
+    required: whether a shell must give what Python may leave out; known: returns the words that a shell completes
     """
 
     flags: tuple[str, ...] = ()
@@ -44,6 +44,7 @@ class Shell:
     help: str = ""
     default: str = ""
     required: bool = False
+    known: Callable[[], Iterable[str]] | None = None
 
 
 class Declared(NamedTuple):

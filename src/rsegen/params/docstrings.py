@@ -29,6 +29,9 @@ from rsegen.params.sorts import Choice, Flag, Reference, hints
 Public = TypeVar("Public")
 
 _HEADING = re.compile(r"^([A-Z][a-z]+)\n---+\n", re.MULTILINE)
+_FLAG = re.compile(r"--([a-z][a-z-]*)((?:=\S+)?)")
+"""A flag in the help of a parameter, which in Python is a parameter."""
+
 _WIDTH = 100
 
 
@@ -97,6 +100,11 @@ def _words(type_: Any) -> str:
     return {NoneType: "None", Ellipsis: "..."}.get(type_) or type_.__name__
 
 
+def without_flags(text: str) -> str:
+    """Return a help with parameters, in backticks, in place of flags: `--up=-y` is `up=-y` in Python."""
+    return _FLAG.sub(lambda flag: f"`{flag[1].replace('-', '_')}{flag[2]}`", text)
+
+
 def _entry(parameter: Declared, type_: str, default: object) -> str:
     """Return what numpydoc has of a parameter: name, type and default, then its meaning with unit and range.
 
@@ -110,7 +118,7 @@ def _entry(parameter: Declared, type_: str, default: object) -> str:
         type_ += ", optional"
     elif default is not Argument.empty:
         type_ += f", default {str(default)!r}" if isinstance(default, Path) else f", default {default!r}"
-    meaning = sort.help or sort.describe()
+    meaning = without_flags(sort.help or sort.describe())
     # The help of a name or a path says what it may be.
     is_plain = is_listed or isinstance(sort, Flag | Reference) or meaning == sort.describe()
     text = meaning[:1].upper() + meaning[1:] + ("" if is_plain else f" ({sort.describe()})")

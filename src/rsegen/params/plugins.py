@@ -47,6 +47,15 @@ class Source(NamedTuple):
         return cls(name=name, version=version) if name and not text.endswith(".py") else cls(name=text)
 
     @property
+    def identity(self) -> str:
+        """The text of what must not change while a long result is made: of a file that is loaded its checksum too."""
+        from rsegen.input_files import checksum_of  # what `--help` loads does without it
+
+        files = [plugin.module.__file__ for plugin in plugins() if plugin.source == self]
+        checksum = checksum_of(Path(files[0])) if files and files[0] else None
+        return f"{self} {checksum.sha256}" if checksum else str(self)
+
+    @property
     def install_hint(self) -> str:
         """Remedy for a missing plug-in, to be appended to its name."""
         if self.version:

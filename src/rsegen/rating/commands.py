@@ -186,18 +186,11 @@ def add_rate(command: Parser) -> None:
     model = declared(rate)["robot"]
     kinds: Any = command.add_argument("robot", metavar="ROBOT", help=model.help)
     kinds.declared = model  # for forms
-    kinds.completer = _kinds  # for argcomplete
     add_input(command)
     add_flags(command.group("rating"), rate, without=["robot", *_TEST, *_ROBOT])
     add_flags(command.group("robot"), rate, only=_ROBOT)
     add_flags(command.group("test of reliability"), rate, only=_TEST)
     add_recipe_flags(command)
-
-
-def _kinds(**_: object) -> Sequence[str]:
-    from rsegen.robots.base import ROBOTS
-
-    return list(ROBOTS)
 
 
 def run_rate(arguments: argparse.Namespace) -> Report:

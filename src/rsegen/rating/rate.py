@@ -19,6 +19,7 @@ from rsegen.driving.routes import Straight
 from rsegen.errors import ParameterError, Stopped
 from rsegen.input_files import checksum_of
 from rsegen.obstacles.random import NormalRandom
+from rsegen.params.plugins import Source
 from rsegen.params.sorts import Json
 from rsegen.rating.axes import AXES, refuse_unusable
 from rsegen.rating.judges import BY, Crosses, Judge, judge_by, judge_of, usual_duration
@@ -26,7 +27,7 @@ from rsegen.rating.rating import FILES, HOLDS, Curve, Rating
 from rsegen.rating.reliability import ReliabilityTest
 from rsegen.rating.run import Progress, RatingPlan, entry, make_curve, opened, read_entries
 from rsegen.recipe.building import build
-from rsegen.recipe.codec import encode
+from rsegen.recipe.codec import encode, plugin_identities, plugin_sources
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
@@ -95,6 +96,13 @@ class Rated:
         """Return whether a shell can name it: a kind of robot or a file, but no robot that was made in Python."""
         return isinstance(self.robot, str | os.PathLike) or any(self.robot is known for known in ROBOTS.values())
 
+    @property
+    def source(self) -> Source | None:
+        """The plug-in of the robot; None if it is of none."""
+        if self.is_function or not self.is_registered:
+            return None
+        return ROBOTS.source(str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind)
+
     def replay(self) -> tuple[str, ...]:
         """Return what `rsegen drive` needs to know of the robot; empty if a shell cannot name it."""
         if not self.is_registered:
@@ -137,7 +145,9 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
     refuse_too_large(recipe)
     judges = rated.judges(by)
     plan = RatingPlan(recipe=recipe, axis=axis, trials=trials, precision=precision)
-    of: Json = json.loads(json.dumps({**rated.described(), "axis": axis.name, "recipe": encode(recipe)}))
+    plugins = plugin_identities([rated.source, *plugin_sources([recipe]).values()])
+    content = {**rated.described(), **plugins, "axis": axis.name, "recipe": encode(recipe)}
+    of: Json = json.loads(json.dumps(content))
     with opened(target.output, of, force=target.force) if target.output else nullcontext() as store:
         if store:
             store.announce_files(FILES)

@@ -126,7 +126,7 @@ def _batch(plan: RatingPlan, known: Curve) -> list[Asked]:
 
 def opened(folder: Path, of: Json, *, force: bool) -> AbstractContextManager[Store]:
     """Open the folder of a rating, which may have begun, or what replaces it; an OutputError if that may not be."""
-    other = "another rating; use another folder, or force=True, or the seed and options of that one"
+    other = "another rating; use another folder, or force=True, or the seed, options and plug-ins of that one"
     return continued(folder, HOLDS, of, FILES, force=force, other=other)
 
 

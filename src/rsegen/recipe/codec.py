@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import lru_cache
 from typing import Any
@@ -73,9 +73,20 @@ class PlacedRecord(Parameter):
 
 def needed_plugins(recipe: Recipe) -> dict[str, str]:
     """Return the kinds of a recipe's obstacles that come from plug-ins, each with its package and version, or file."""
-    kinds = sorted({obstacle.kind for obstacle in recipe.obstacles})
+    return {kind: str(source) for kind, source in plugin_sources([recipe]).items()}
+
+
+def plugin_sources(recipes: Iterable[Recipe]) -> dict[str, Source]:
+    """Return the kinds of obstacles in recipes that come from plug-ins, each with where it comes from."""
+    kinds = sorted({obstacle.kind for recipe in recipes for obstacle in recipe.obstacles})
     sources = {kind: KINDS.source(kind) for kind in kinds}
-    return {kind: str(source) for kind, source in sources.items() if source}
+    return {kind: source for kind, source in sources.items() if source}
+
+
+def plugin_identities(sources: Iterable[Source | None]) -> dict[str, Json]:
+    """Return what a journal of a long result says of its plug-ins: nothing if it uses none."""
+    identities: list[Json] = [*sorted({source.identity for source in sources if source})]
+    return {"plugins": identities} if identities else {}
 
 
 def check_plugins(recorded: Mapping[str, str], rows: object) -> None:

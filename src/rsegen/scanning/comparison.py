@@ -68,10 +68,10 @@ def compared(stands: StepField, wanted: StepField) -> Comparison:
     shapes = heights.shape, heights.shape[::-1]
     if wanted.shape not in shapes:
         sizes = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (stands.shape, wanted.shape))
-        raise ParameterError("MAP", f"the maps have {sizes} cells, frames counted; use maps of one size")
+        raise ParameterError("", f"the maps have {sizes} cells, frames counted; use maps of one size")
     if stands.block_width != wanted.block_width:
         widths = " and ".join(f"{field.block_width * 100:g}" for field in (stands, wanted))
-        raise ParameterError("MAP", f"the blocks are {widths} cm wide; use maps of equal blocks")
+        raise ParameterError("", f"the blocks are {widths} cm wide; use maps of equal blocks")
     # Of the turns that fit (two, or four of a square field) the one with the fewest wrong cells, if these are few.
     comparisons = [
         Comparison(heights=np.rot90(heights, turns), wanted=wanted, tolerance=1e-6, turns=turns)

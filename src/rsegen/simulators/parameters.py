@@ -15,7 +15,8 @@ def _servers() -> Iterable[str]:
     return SIMULATORS
 
 
-def _simulators() -> Iterable[str]:
+def known_simulators() -> Iterable[str]:
+    """Return the names of all simulators, installed or not."""
     from rsegen.simulators.embedded import EMBEDDED
 
     return *EMBEDDED, *_servers()
@@ -28,7 +29,9 @@ SimulatorName = Annotated[
 ]
 
 _ANY = Reference(
-    "mujoco, sim or classic", help="MuJoCo (mujoco), Gazebo Sim (sim) or Gazebo Classic (classic)", known=_simulators
+    "mujoco, sim or classic",
+    help="MuJoCo (mujoco), Gazebo Sim (sim) or Gazebo Classic (classic)",
+    known=known_simulators,
 )
 
 OpenSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="the newest Gazebo that is installed")]

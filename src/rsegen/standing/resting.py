@@ -108,8 +108,12 @@ def places(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: Ar
     if body.length > max(field.extent):
         along, across = field.extent
         raise ParameterError("robot", f"is {body.length:.3g} m long, longer than the map of {along:g} x {across:g} m")
-    given = (_numbers(name, values) for name, values in (("x", x), ("y", y), ("heading", heading)))
-    at_x, at_y, yaw = (np.ravel(array) for array in np.broadcast_arrays(*given))
+    given = [_numbers(name, values) for name, values in (("x", x), ("y", y), ("heading", heading))]
+    try:
+        at_x, at_y, yaw = (np.ravel(array) for array in np.broadcast_arrays(*given))
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in given)
+        raise ParameterError("", f"x, y and heading of shapes {shapes} do not go together; use one length") from None
     for name, values, extent in (("x", at_x, field.extent[0]), ("y", at_y, field.extent[1])):
         outside = values[np.abs(values) > extent / 2]
         if len(outside):

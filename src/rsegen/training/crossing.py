@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array
 from rsegen.learning.arrays import array_like, library_of
 from rsegen.learning.ground import Ground, scan_points
@@ -28,7 +28,7 @@ from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
-from rsegen.params.sorts import Float
+from rsegen.params.sorts import Flag, Float
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.scene.scene import compose
@@ -92,12 +92,15 @@ class Crossing:
     flipper_speed: float = 1.5
 
     def __post_init__(self) -> None:
+        refuse_other("recipe", self.recipe, Recipe)
+        Flag().check("uses_flippers", self.uses_flippers)
         if not self.recipe.is_of_one_friction:
             raise ParameterError("level_friction", "robots of rsegen cross fields of one friction; set only `friction`")
         _SECONDS.check("seconds", self.seconds)
+        _SECONDS.check("period", self.period)
         _FLIPPER_SPEED.check("flipper_speed", self.flipper_speed)
-        if not STEP <= self.period <= self.seconds:
-            raise ParameterError("period", f"{self.period} s; use {STEP} s or more, and up to `seconds`")
+        if self.period > self.seconds:
+            raise ParameterError("period", f"{self.period} s; an episode has only {self.seconds} s")
 
     @cached_property
     def driven(self) -> DrivableRobot:

@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 from rsegen.driving.filming import VIDEO, RobotView
-from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.errors import ParameterError, UnknownName, refuse_other, shown
 from rsegen.field.stepfield import Array
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
@@ -34,10 +34,11 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012  # as in Gymnasium's Env
 
     def __init__(self, crossing: Crossing, render_mode: str | None = None) -> None:
+        refuse_other("crossing", crossing, Crossing)
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise UnknownName.among("render_mode", "mode", render_mode, self.metadata["render_modes"])
         self.crossing, self.render_mode = crossing, render_mode
-        self.metadata = {**type(self).metadata, "render_fps": round(1 / crossing.period)}
+        self.metadata = {**type(self).metadata, "render_fps": max(round(1 / crossing.period), 1)}
         self._view: RobotView | None = None
         self.world = crossing.world()
         self.flippers = crossing.flippers(self.world)
@@ -68,12 +69,10 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Drive for a period; ParameterError for an action of another shape or that is no number."""
+        if self._map < 0:
+            raise gymnasium.error.ResetNeeded("reset the environment before its first step")
         crossing, data = self.crossing, self.world.data
-        given = np.asarray(action, dtype=float)
-        if given.shape != self._action.shape[1:] or not np.isfinite(given).all():
-            problem = f"{shown(given.tolist())}; expected {self._action.shape[1]} finite numbers from -1 to 1"
-            raise ParameterError("action", problem)
-        self._action = np.clip(given, -1, 1)[None]
+        self._action = self._checked(action)
         before = np.array([data.qpos[0]])
         v, w = crossing.speeds(self._action)
         self._targets = crossing.angles(self._action, self._targets, self.flippers)
@@ -96,6 +95,16 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         if self._view is None:
             self._view = RobotView(compose(self.crossing.recipe, self._map), [self.crossing.placed], VIDEO)
         return self._view.picture(self.world.link_poses())
+
+    def _checked(self, action: Any) -> Array:
+        try:
+            given = np.asarray(action, dtype=float)
+        except (TypeError, ValueError):
+            given = np.empty(0)
+        if given.shape != self._action.shape[1:] or not np.isfinite(given).all():
+            text = shown(action.tolist() if isinstance(action, np.ndarray) else action)
+            raise ParameterError("action", f"{text}; expected {self._action.shape[1]} finite numbers from -1 to 1")
+        return np.asarray(np.clip(given, -1, 1)[None])
 
     def _observed(self) -> Array:
         data = self.world.data

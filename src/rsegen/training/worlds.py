@@ -17,6 +17,7 @@ import warp as wp
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
+from rsegen.errors import refuse_other
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco_warp import BlocksOfWorlds
 from rsegen.mujoco.many_worlds import ManyWorlds
@@ -37,6 +38,7 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
     def __init__(
         self, crossing: Crossing, worlds: int, *, device: str = "cuda:0", maps: int = 16384, seed: int = 0
     ) -> None:
+        refuse_other("crossing", crossing, Crossing)
         self.crossing, self.device = crossing, device
         self.num_envs, self.max_episode_length = worlds, crossing.periods
         self.cfg = {"robot": crossing.driven.kind, "recipe": crossing.recipe.name, "worlds": worlds}

@@ -17,7 +17,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError, Executor, Future
 from concurrent.futures import wait as finished
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -229,9 +229,12 @@ def _start_worker(parent_stops: Connection) -> None:
     import threading
     from multiprocessing.connection import wait
 
+    import psutil  # noqa: F401  # not when the worker has to end: an import may wait for another one
+
     def watch() -> None:
         parent = multiprocessing.parent_process()
         wait([parent_stops, *([parent.sentinel] if parent else [])])
+        _end_helpers()
         os._exit(1)  # what it was writing is staged, and removed by its parent
 
     for number in _STOP_SIGNALS:
@@ -239,6 +242,19 @@ def _start_worker(parent_stops: Connection) -> None:
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOP_SIGNALS)
     threading.Thread(target=watch, daemon=True).start()
+
+
+def _end_helpers() -> None:
+    """End what libraries have started in this worker, such as GLFW's look at its version: it would print a traceback.
+
+    Programs that rsegen starts have sessions of their own, which are ended by their watchdogs.
+    """
+    import psutil
+
+    with suppress(psutil.Error, OSError):
+        for child in psutil.Process().children(recursive=True):
+            if sys.platform == "win32" or os.getsid(child.pid) == os.getsid(0):
+                child.kill()
 
 
 # A cluster.
