@@ -139,6 +139,30 @@ def test_a_robot_gives_its_figures(packages: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_map_for_a_robot_records_its_package(packages: Path, tmp_path: Path) -> None:
+    words = (
+        "--seed",
+        "1",
+        "--chunk-size",
+        "4",
+        "--unit-cm",
+        "0.3",
+        "--crossable-by",
+        "tall_burger",
+        "--boundary",
+        "none",
+    )
+    done("generate", *words, "-o", tmp_path, packages=packages)
+    map_file = tmp_path / "rse_0000" / "recipe.json"
+    assert json.loads(map_file.read_text("utf-8"))["plugins"] == {"tall_burger": "rsegen-demo 1.2"}
+    line = refused("info", tmp_path / "rse_0000")
+    assert line.startswith(f"rsegen: {map_file}: the robot 'tall_burger' of rsegen-demo 1.2 is not installed; ")
+    found = run("info", tmp_path / "rse_0000", packages=install(tmp_path / "newer", "1.3"))
+    assert found.returncode == 0
+    assert "tall_burger of rsegen-demo 1.2 was used to make this, and rsegen-demo 1.3 is here" in found.stderr
+
+
+@pytest.mark.slow
 def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
     (said,) = json.loads(done("metrics", worlds, "--map", "0", "--json", packages=packages))
     assert said["flat_share"] == pytest.approx(130 / 180)

@@ -20,6 +20,7 @@ from rsegen.params.sorts import NANOMETRES, Float, validate
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Ints, Mask, StepField
     from rsegen.field.traversability import Crossing, Traversability
+    from rsegen.params.plugins import Source
 
 # Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
 SIDE = Float(0.01, 100, unit="m")
@@ -36,6 +37,11 @@ class CrossingModel(ABC):
     @abstractmethod
     def width(self) -> float:
         """Width, metres, for the percolation step."""
+
+    @property
+    def plugin(self) -> Source | None:
+        """The package or file that it comes from; None for rsegen's own."""
+        return None
 
     @abstractmethod
     def reach(self, field: StepField) -> Any:

@@ -1,9 +1,10 @@
 """Recipe <-> the content of a recipe file; and its JSON Schema.
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (the program that wrote it), `$schema`
-(for editors) and, if any kind of obstacle is from another package, `plugins: {ramp: rsegen-ramps 1.2}`. The recipe.json
-of a map has `placed` too, where chance put obstacles in it, which follows from the rest and is not read. A file leaves
-out what equals the defaults of its format version (docs/decisions/0013).
+(for editors) and, if any kind of obstacle or the robot of `crossable_by` is from another package,
+`plugins: {ramp: rsegen-ramps 1.2}`. The recipe.json of a map has `placed` too, where chance put obstacles in it, which
+follows from the rest and is not read. A file leaves out what equals the defaults of its format version
+(docs/decisions/0013).
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from functools import lru_cache
 from typing import Any
 
 from rsegen import __version__
-from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown, shown
+from rsegen.errors import ParameterError, PluginWarning, UnknownName, inside, refuse_unknown, shown
+from rsegen.field.crossing import robot_that_crosses
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
@@ -26,14 +28,16 @@ from rsegen.recipe.building import placed_obstacles
 from rsegen.recipe.map_design import without_derived_keys
 from rsegen.recipe.recipe import Recipe
 
-_SOURCE = Text(r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "where a kind of obstacle comes from")
+_SOURCE = Text(
+    r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "where a kind of obstacle or robot comes from"
+)
 
 
 @dataclass(frozen=True)
 class PluginRecord(Parameter):
-    """Kinds of obstacles, each with the package and version, or the file, that it comes from."""
+    """Kinds of obstacles and robots, each with the package and version, or the file, that it comes from."""
 
-    help: str = "package and version, or file, of each kind of obstacle that is not one of rsegen's own"
+    help: str = "package and version, or file, of each kind of obstacle or robot that is not one of rsegen's own"
 
     def check(self, where: str, value: object) -> Mapping[str, str]:
         """Return the sources by kinds."""
@@ -47,7 +51,7 @@ class PluginRecord(Parameter):
 
     def describe(self) -> str:
         """Return in a few words what the value should be."""
-        return "kinds of obstacles with their packages, as in {ramp: rsegen-ramps 1.2}"
+        return "kinds of obstacles and robots with their packages, as in {ramp: rsegen-ramps 1.2}"
 
 
 @dataclass(frozen=True)
@@ -72,15 +76,18 @@ class PlacedRecord(Parameter):
 
 
 def needed_plugins(recipe: Recipe) -> dict[str, str]:
-    """Return the kinds of a recipe's obstacles that come from plug-ins, each with its package and version, or file."""
+    """Return the kinds in a recipe that come from plug-ins, each with its package and version, or file."""
     return {kind: str(source) for kind, source in plugin_sources([recipe]).items()}
 
 
 def plugin_sources(recipes: Iterable[Recipe]) -> dict[str, Source]:
-    """Return the kinds of obstacles in recipes that come from plug-ins, each with where it comes from."""
-    kinds = sorted({obstacle.kind for recipe in recipes for obstacle in recipe.obstacles})
-    sources = {kind: KINDS.source(kind) for kind in kinds}
-    return {kind: source for kind, source in sources.items() if source}
+    """Return the kinds of obstacles, and of robots that cross, that come from plug-ins, each with its plug-in."""
+    sources = dict[str, Source | None]()
+    for recipe in recipes:
+        sources |= {obstacle.kind: KINDS.source(obstacle.kind) for obstacle in recipe.obstacles}
+        if isinstance(recipe.crossable_by, str) and recipe.crosser:
+            sources[recipe.crossable_by] = recipe.crosser.plugin
+    return {kind: source for kind, source in sorted(sources.items()) if source}
 
 
 def plugin_identities(sources: Iterable[Source | None]) -> dict[str, Json]:
@@ -89,17 +96,38 @@ def plugin_identities(sources: Iterable[Source | None]) -> dict[str, Json]:
     return {"plugins": identities} if identities else {}
 
 
-def check_plugins(recorded: Mapping[str, str], rows: object) -> None:
-    """Raise a ParameterError for the first kind in a file's rows whose plug-in is missing; warn of other versions."""
+def check_plugins(recorded: Mapping[str, str], content: Mapping[str, Any]) -> None:
+    """Raise a ParameterError for the first kind in a file whose plug-in is missing; warn of other versions."""
+    rows, robot = content.get("obstacles"), content.get("crossable_by")
     kinds = [row.get("kind") for row in rows if isinstance(row, Mapping)] if isinstance(rows, (list, tuple)) else []
-    used = {name for name in kinds if isinstance(name, str)}
-    for name in (name for name in recorded if name in used):
-        if name not in KINDS:
-            raise ParameterError("", f"the obstacle kind {name!r} {Source.parse(recorded[name]).install_hint}")
-        source = str(KINDS.source(name) or "rsegen's own")
-        if source != recorded[name]:
-            text = f"{name} of {recorded[name]} was used to make this, and {source} is here: maps may differ"
+    for name, needed in recorded.items():
+        if name in kinds:
+            what, here = "obstacle kind", _origin_of_kind(name)
+        elif name == robot:
+            what, here = "robot", _origin_of_robot(name)
+        else:
+            continue
+        if not here:
+            raise ParameterError("", f"the {what} {name!r} {Source.parse(needed).install_hint}")
+        if here != needed:
+            text = f"{name} of {needed} was used to make this, and {here} is here: maps may differ"
             warnings.warn(text, PluginWarning, stacklevel=2)
+
+
+_OWN = "rsegen's own"
+
+
+def _origin_of_kind(name: str) -> str:
+    """Return where a kind of obstacle comes from; an empty text if it is not known."""
+    return str(KINDS.source(name) or _OWN) if name in KINDS else ""
+
+
+def _origin_of_robot(name: str) -> str:
+    """Return where a robot comes from; an empty text if it is not known."""
+    try:
+        return str(robot_that_crosses(name, "crossable_by", kind_only=True).plugin or _OWN)
+    except UnknownName:
+        return ""
 
 
 FORMAT = 2
@@ -126,7 +154,7 @@ def decode(content: object) -> Recipe:
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
     if "plugins" in content:
-        check_plugins(content["plugins"], content.get("obstacles"))
+        check_plugins(content["plugins"], content)
     values = {key: value for key, value in content.items() if key not in _ENVELOPE}
     values["obstacles"] = decode_obstacles(values.get("obstacles", []))
     return Recipe(**values)

@@ -13,6 +13,7 @@ from typing import ClassVar
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter, parameters
 from rsegen.recipe.recipe import Run
@@ -59,6 +60,11 @@ class Robot(RobotOnField):
     def turn(self) -> float:
         """The maximum turn rate, rad/s."""
         return self.drive.turn
+
+    @property
+    def plugin(self) -> Source | None:
+        """The package or file that it comes from; None for rsegen's own."""
+        return ROBOTS.source(self.kind) if self.kind in ROBOTS else None
 
     @property
     def body(self) -> Body:

@@ -17,6 +17,7 @@ from rsegen.standing.stable import stable_poses
 from rsegen.standing.ways import Way, events
 
 if TYPE_CHECKING:
+    from rsegen.params.plugins import Source
     from rsegen.scene.scene import Scene
     from rsegen.standing.drawing import RobotDrawing
 
@@ -126,6 +127,11 @@ class _SameRobot(RobotOnField):
     def kind(self) -> str:  # type: ignore[override]  # that of the robot
         """Kind of the robot."""
         return self.robot.kind
+
+    @property
+    def plugin(self) -> Source | None:
+        """The package or file that it comes from."""
+        return self.robot.plugin
 
     @property
     def body(self) -> Body:
