@@ -6,13 +6,15 @@ where the robot's drive ends, and nowhere else, so a lane stays as rough as the 
 1. Lanes are cut into pieces that overlap. Each is driven by itself, also to either side, and turned to either side,
    with less momentum and friction than the robot has: what is left is room to spare.
 2. Where a piece ends, the largest step between neighbouring blocks under the robot is made smaller by a unit, or, if
-   it is one unit, the highest blocks there are lowered by one.
-3. Again, with the pieces that have changed, until all are driven; then the lane as a whole, from side to side.
+   it is one unit, the highest blocks at its front are lowered by one, or else those under all of it.
+3. Again, with the pieces that have changed, until each is driven or has been lowered once in each of its ways: what is
+   lowered again and again ends level. Then the lane is driven as a whole, from side to side.
 
 Two lanes are lowered at a time, the most even ones first. The first one counts that is driven with room to spare and
-has blocks in most of its cells, of two the one with fewer lowered units; else one with fewer blocks; else one that is
-driven at all. If the robot climbs no block of one unit, or no lane is driven, or more room is asked for than is usual,
-a lane is made level.
+has blocks in most of its cells, of two the one with fewer lowered units. If none does, lanes are lowered anew from
+blocks of one unit, which a careful robot mostly drives over as they are: steps that become smaller unit by unit may end
+lower. Else one with fewer blocks counts; else one that is driven at all. If the robot climbs no block of one unit, or
+no lane is driven, or more room is asked for than is usual, a lane is made level.
 
 Cost: some seconds; some thousand poses. What breaks it: what breaks lanes, above all robots that are turned.
 """
@@ -22,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -66,6 +69,9 @@ _TURNED = 0.1
 
 _ROUNDS = 80
 """Rounds of lowering at most; most lanes take ten to forty."""
+
+_FRONT = 2
+"""Lines of cells at the front of a robot: that which it meets, and that half a block before it."""
 
 _PIECE = 1.5
 """Length of a piece in blocks; they begin a block apart, so that no step is only at an end."""
@@ -126,10 +132,12 @@ def _lowered_lanes(
     rest: list[_Lowered] = []
     if driven is not None:  # else it climbs none of blocks as high as these
         least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
-        for done in range(0, min(len(least), _MOST_TRIED), _TRIED):
-            tried = [line for _, line in least[done : done + _TRIED]]
-            watch = partial(_report_lowering, robot.search, axis, done // _TRIED)
-            strips = _Strips.of(field, tried, aside).smoothed(driven, robot.room, watch)
+        best = [line for _, line in least[:_MOST_TRIED]]
+        low = replace(field, levels=np.minimum(field.levels, 1))
+        for done, (ground, first) in enumerate(product((field, low), range(0, len(best), _TRIED))):
+            tried = best[first : first + _TRIED]
+            watch = partial(_report_lowering, robot.search, axis, done)
+            strips = _Strips.of(ground, tried, aside).smoothed(driven, robot.room, watch)
             lanes = [_lowered(field, *each, aside) for each in zip(tried, strips, strict=True)]
             for lane in sorted(lanes, key=_preference):
                 if (lane.levels > 0).mean() < _ON_BLOCKS:
@@ -214,12 +222,12 @@ class _Strips:
         end = self.field.extent[0] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
         starts = np.arange(begin, end - width / 2, width)
         shape = (len(self.levels), len(starts), len(_DRIVEN))
-        # What is to be driven, and what no lowering helps; each piece first as it last ended, then in all other ways.
-        is_open, is_lost, last = np.ones(shape, bool), np.zeros(shape, bool), np.zeros(shape[:2], int)
+        # What is to be driven, and what was lowered; each piece first as it last ended, then in all other ways.
+        is_open, is_lowered, last = np.ones(shape, bool), np.zeros(shape, bool), np.zeros(shape[:2], int)
         for turn in range(_ROUNDS):
             progress(turn / _ROUNDS)
-            first = is_open & ~is_lost & (np.arange(len(_DRIVEN)) == last[..., None])
-            chosen = np.argwhere(first if first.any() else is_open & ~is_lost)
+            first = is_open & ~is_lowered & (np.arange(len(_DRIVEN)) == last[..., None])
+            chosen = np.argwhere(first if first.any() else is_open & ~is_lowered)
             if not len(chosen):
                 break
             ends = self._ends(body, room, chosen, starts)
@@ -232,8 +240,8 @@ class _Strips:
                 window = self._window(x, body)
                 if changed[strip, window].any():
                     continue
-                is_lost[strip, piece, way] = not self._lower(strip, window)
-                changed[strip, window] = True
+                self._lower(strip, window)
+                is_lowered[strip, piece, way] = changed[strip, window] = True
             for strip, piece in np.argwhere(np.ones(shape[:2], bool)).tolist():
                 near = slice(
                     self._window(float(starts[piece]), body).start,
@@ -268,10 +276,8 @@ class _Strips:
         ends[ended] = origins(lanes.poses.some(ended * count + lanes.last[ended]), body)[0]
         return ends
 
-    def _lower(self, strip: int, window: slice) -> bool:
+    def _lower(self, strip: int, window: slice) -> None:
         """Make the largest step of the lane in a window of lines smaller by a unit, or its highest blocks lower.
-
-        Return whether that lowers a block.
 
         window: lines of cells along x, counted from the ground before the field
         """
@@ -284,11 +290,11 @@ class _Strips:
             lower = envelope(part, replace(self.field, levels=part.astype(np.int16), frame=wall), largest - 1)
             lower = np.minimum(part, lower)
         else:
-            lower = np.where((part == part[~wall].max(initial=0)) & ~wall, part - 1, part)
+            is_high = (part == part[~wall].max(initial=0)) & ~wall & (part > 0)
+            at_front = is_high & (np.arange(len(part)) >= len(part) - _FRONT)[:, None]
+            lower = part - (at_front if at_front.any() else is_high)
         padded[window] = np.maximum(lower, 0)
-        lowered = np.where(frame, own, padded[1:-1])
-        self.levels[strip, :, inner] = lowered
-        return bool((lowered < own).any())
+        self.levels[strip, :, inner] = np.where(frame, own, padded[1:-1])
 
 
 def _either(mask: Mask, axis: int) -> Mask:

@@ -307,11 +307,12 @@ def test_less_room_to_spare_leaves_ways_rougher() -> None:
 
 
 @pytest.mark.slow
-def test_further_lanes_are_lowered_until_one_keeps_its_blocks() -> None:
-    """On this map the first two lanes from west to east would both be nearly level."""
-    rough = recipe(seed=55500004, boundary="none", unit_cm=3, obstacles=(rsegen.Random(levels=5),))
-    made = rsegen.build(replace(rough, crossable_by="jackal"))
-    body = ROBOTS["jackal"].body
+@pytest.mark.parametrize(("seed", "kind", "unit_cm"), [(55500004, "jackal", 3), (264885663, "crawler", 10)])
+def test_lanes_are_lowered_until_one_keeps_its_blocks(seed: int, kind: str, unit_cm: float) -> None:
+    """On the first map the first two lanes from west to east would both be nearly level, on the other one all lanes."""
+    rough = recipe(seed=seed, boundary="none", unit_cm=unit_cm, obstacles=(rsegen.Random(levels=5),))
+    made = rsegen.build(replace(rough, crossable_by=kind))
+    body = ROBOTS[kind].body
     middle = driven_lanes(made, body, 0)[0]
     y = made.edges()[1]
     under = (y[1:] > middle - body.width / 2) & (y[:-1] < middle + body.width / 2)
