@@ -177,7 +177,7 @@ def _series_lines(made: Series) -> Iterator[str]:
     from rsegen.params.numbers import decimal, lengths_in
 
     rows, there, written = made.rows, len(made.rows) - len(made.maps), lengths_in(made.plan.recipe.units)
-    already = f", {there} exist already" if there else ""
+    already = f", {there} existed before" if there else ""
     yield f"{len(rows)} maps in {made.folder}, seed {made.plan.recipe.seed}{already}; lengths in {written.name}:"
     width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
     names, unit = ("rms asked", "rms step") if by_default else ("asked", "measured"), made.plan.metric.unit
