@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli.edge import main
-from rsegen.cli.parser import Parser
 from rsegen.driving.commands import drive
 from rsegen.mujoco import simulator
 from rsegen.page.forms import field
-from rsegen.params.command import add_flags, declared
+from rsegen.params.command import declared
 from rsegen.simulators import open_world, process
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.commands import open as open_command
@@ -23,6 +22,7 @@ from rsegen.simulators.patience import Patience
 from rsegen.spawning.commands import remove
 from tests.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
+from tests.support.shells import completed
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
 Capture = pytest.CaptureFixture[str]
@@ -72,7 +72,7 @@ def test_sim_says_how_to_install_a_library_that_is_missing_or_too_old(
     assert f"mujoco   MuJoCo {old}; " in capsys.readouterr().out
 
 
-def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
+def test_completion_and_forms_know_the_simulators_of_each_command(tmp_path: Path) -> None:
     for command, known in (
         (drive, ["classic", "mujoco", "sim"]),
         (open_command, ["classic", "mujoco", "sim"]),
@@ -82,10 +82,7 @@ def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
         assert parameter.known_names
         assert sorted(parameter.known_names()) == known
         assert field(parameter)["schema"]["anyOf"][0] == {"enum": known}
-    parser = Parser()
-    add_flags(parser, drive, only=["simulator"])
-    parser.describe_flags()
-    assert set(vars(parser.flags["--simulator"])["completer"]()) == {"classic", "mujoco", "sim"}
+    assert completed("rsegen drive --simulator ", tmp_path) == {"classic", "mujoco", "sim"}
 
 
 @pytest.mark.parametrize(
