@@ -56,6 +56,17 @@ for command in sys.argv[1:]:
     assert result.stderr.splitlines() == [*commands()]
 
 
+def test_a_flag_is_completed_without_numpy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Whoever presses Tab waits for it; words are looked up when a value is completed."""
+    monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
+    assert completed("rsegen drive --mot", tmp_path) == {"--motors"}
+    imported = capfd.readouterr().err
+    assert "argcomplete" in imported
+    assert "numpy" not in imported
+
+
 def test_rsegen_alone_says_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     text = capsys.readouterr().out

@@ -56,10 +56,11 @@ def _words_of(action: Any) -> Callable[..., Iterable[str]] | None:
         known = parameter.shell.known or each.known_names
         if known or each.words:
             return partial(_parts_of_list if is_list else _only_words, known or (lambda: each.words))
-    if action.dest not in known_words():
+    known = known_words().get(action.dest)
+    if known is None:
         return None
     is_list = parameter is not None and parameter.sort.schema().get("type") == "array"
-    return partial(_parts_of_list if is_list else _words_and_files, lambda: known_words()[action.dest])
+    return partial(_parts_of_list if is_list else _words_and_files, known)
 
 
 def _only_words(words: Callable[[], Iterable[str]], **_: object) -> Iterable[str]:

@@ -33,7 +33,7 @@ from rsegen.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.measuring.batch import COLUMNS
 from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
-from rsegen.recipe.codec import decode, encode, plugin_identities, plugin_sources
+from rsegen.recipe.codec import decode, encode, plugin_identities
 from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.recipe import Recipe, as_recipes
 from rsegen.recipe.recipe_file import recipe_content
@@ -227,7 +227,7 @@ def identity(layout: ShardLayout) -> dict[str, Any]:
         replace(recipe, obstacles=[obstacle for _, obstacle in recipe.enabled_obstacles]) for recipe in layout.recipes
     ]
     entries = [{key: value for key, value in encode(recipe).items() if key in _DECIDE} for recipe in recipes]
-    return header(layout) | {"recipes": entries} | plugin_identities(plugin_sources(recipes).values())
+    return header(layout) | {"recipes": entries} | plugin_identities(recipes)
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:

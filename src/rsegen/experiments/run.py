@@ -36,7 +36,7 @@ from rsegen.experiments.trial_server import TrialSimulator, refuse_without_frame
 from rsegen.input_files import JOURNAL, checksum_of
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, Text
 from rsegen.recipe import recipe_file
-from rsegen.recipe.codec import plugin_identities, plugin_sources
+from rsegen.recipe.codec import plugin_identities
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.sdf_file import is_robot_file
 from rsegen.robots.xacro_files import with_arguments
@@ -175,8 +175,8 @@ def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
 
 def _plugins(plan: ExperimentPlan) -> dict[str, Json]:
     """Return the plug-ins of robots and obstacles: outcomes of another version are not those of the plan either."""
-    obstacles = plugin_sources(row.map_of(max(row.sizes), plan.seed) for row in plan.rows)
-    return plugin_identities([*(ROBOTS.source(row.robot) for row in plan.rows), *obstacles.values()])
+    maps = (row.map_of(max(row.sizes), plan.seed) for row in plan.rows)
+    return plugin_identities(maps, (ROBOTS.source(row.robot) for row in plan.rows))
 
 
 def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:

@@ -261,19 +261,14 @@ def loaded_by_trimesh(path: Path, file: BufferedReader, **options: Any) -> Any:
 
 def _for_trimesh(form: str, file: BufferedReader) -> IO[bytes]:
     """Return an open file as it is, or as trimesh takes it."""
-    if form == "gltf":
-        return BytesIO(_in_utf8(file.read()))
-    if form == "obj":
-        return BytesIO(_counted_forwards(_in_utf8(file.read())))
-    if form == "stl":
-        is_binary = binary_faces(file) is not None
-        file.seek(0)
-        return file if is_binary else BytesIO(_in_utf8(file.read()))
-    if form == "ply":
-        header, end, _ = file.read(_LONGEST_PLY_HEADER).partition(b"end_header")
-        is_text = not end or _in_utf8(header) == header
-        file.seek(0 if is_text else len(header))
-        return file if is_text else BytesIO(_in_utf8(header) + file.read())
+    is_text = form in ("obj", "gltf") or (form == "stl" and binary_faces(file) is None)
+    header, end, _ = file.read(_LONGEST_PLY_HEADER).partition(b"end_header") if form == "ply" else (b"", b"", b"")
+    file.seek(0)
+    if is_text:
+        text = _in_utf8(file.read())
+        return BytesIO(_counted_forwards(text) if form == "obj" else text)
+    if end and (in_utf8 := _in_utf8(header)) != header:
+        return BytesIO(in_utf8 + file.read()[len(header) :])
     return file
 
 

@@ -12,7 +12,7 @@ from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.ground import Ground, check_levels, friction_by_level, position_of, unframed
 from rsegen.recipe.recipe import Recipe
-from rsegen.scene.contact import CONTACT
+from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
@@ -28,6 +28,8 @@ class BlockArrays:
 
     The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first.
     """
+
+    contact: Contact = CONTACT
 
     def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
         refuse_other("recipe", recipe, Recipe)
@@ -48,10 +50,7 @@ class BlockArrays:
 
     def ground(self, levels: Any) -> Ground:
         """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
-        return self._ground(levels, CONTACT.priority)
-
-    def _ground(self, levels: Any, priority: int) -> Ground:
-        ground = Ground(self.recipe, levels, self.position, priority=priority)
+        ground = Ground(self.recipe, levels, self.position, priority=self.contact.priority)
         self._refuse_other_shape(tuple(ground.levels.shape))
         return ground
 

@@ -21,7 +21,6 @@ from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
-from rsegen.learning.ground import Ground
 from rsegen.learning.terrain import Terrain
 from rsegen.learning.tile import lowered_columns
 from rsegen.recipe.recipe import Recipe, as_recipes
@@ -237,11 +236,7 @@ class BlockGrid(BlockArrays):
     ) -> None:
         super().__init__(recipe, name, pos)
         refuse_other("contact", contact, Contact)
-        self.contact: Contact = contact
-
-    def ground(self, levels: Any) -> Ground:
-        """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
-        return self._ground(levels, self.contact.priority)
+        self.contact = contact
 
     def add_to(self, spec: Any) -> Any:
         """Add the blocks to an MjSpec as a static body, all as high as the highest; gives the body.

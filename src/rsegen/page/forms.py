@@ -168,8 +168,9 @@ def _without_const(schema: Any) -> Any:
 
 def _with_words(parameter: Declared, schema: dict[str, Json]) -> dict[str, Json]:
     """Return a schema of a text, of a list of texts, or of either, with the known words before any other text."""
-    words = parameter.known_names() if parameter.known_names else known_words().get(parameter.name)
-    if words is None:
+    known = parameter.known_names or known_words().get(parameter.name)
+    words = known() if known else ()
+    if not words:
         return schema
     if schema.get("type") == "string":
         title = {"title": schema["title"]} if "title" in schema else {}

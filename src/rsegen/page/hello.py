@@ -56,7 +56,7 @@ def _title_of_robot(name: str, robot: Any) -> str:
 def hello(host: Host) -> Hello:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
-    robots = {name: _title_of_robot(name, robot) for name, robot in dict(known_words().get("robot", {})).items()}
+    robots = {name: _title_of_robot(name, robot) for name, robot in dict(known_words().get("robot", dict)()).items()}
     robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
@@ -70,6 +70,6 @@ def hello(host: Host) -> Hello:
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [
             {"name": name, "description": summary_of_class(cls)}
-            for name, cls in dict(known_words().get("formats", {})).items()
+            for name, cls in dict(known_words().get("formats", dict)()).items()
         ],
     }

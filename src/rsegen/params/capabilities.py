@@ -243,16 +243,22 @@ def offered_modules(group: str) -> Mapping[str, str]:
 
 
 @cache
-def known_words() -> Mapping[str, Any]:
-    """Return the known words of parameters that take these or something else, such as a file, by their names."""
-    words = {}
-    for owner, known in capabilities().items():
-        for name, place in known.words.items():
-            try:
-                words[name] = _of_package(owner, partial(_imported, place))
-            except PluginError as error:
-                left_out(str(error))
-    return words
+def known_words() -> Mapping[str, Callable[[], Any]]:
+    """Return functions that return the known words of parameters, which take these or something else, such as a file.
+
+    By the names of the parameters. A module is imported when its words are asked for.
+    """
+    return {
+        name: partial(_words_at, owner, place)
+        for owner, known in capabilities().items()
+        for name, place in known.words.items()
+    }
+
+
+@cache
+def _words_at(capability: str, place: str) -> Any:
+    """Return the known words that a capability declares at a place; none if another package's cannot be used."""
+    return next(_declared(capability, place), {})
 
 
 @cache
@@ -274,12 +280,17 @@ def hooks(name: str, problem: Callable[[Any], str] = lambda hook: "") -> Iterato
         names = getattr(capability, name)
         for place in (names,) if isinstance(names, str) else names:
             if place:
-                try:
-                    hook = _of_package(known, partial(_imported, place, problem))
-                except PluginError as error:
-                    left_out(str(error))
-                    continue
-                yield hook
+                yield from _declared(known, place, problem)
+
+
+def _declared(capability: str, place: str, problem: Callable[[Any], str] = lambda found: "") -> Iterator[Any]:
+    """Yield what a capability declares at a place; nothing, with a warning, if it is another package's and fails."""
+    try:
+        found = _of_package(capability, partial(_imported, place, problem))
+    except PluginError as error:
+        left_out(str(error))
+        return
+    yield found
 
 
 def _imported(place: str, problem: Callable[[Any], str] = lambda found: "") -> Any:

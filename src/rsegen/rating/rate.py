@@ -27,7 +27,7 @@ from rsegen.rating.rating import FILES, HOLDS, Curve, Rating
 from rsegen.rating.reliability import ReliabilityTest
 from rsegen.rating.run import Progress, RatingPlan, entry, make_curve, opened, read_entries
 from rsegen.recipe.building import build
-from rsegen.recipe.codec import encode, plugin_identities, plugin_sources
+from rsegen.recipe.codec import encode, plugin_identities
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
@@ -145,7 +145,7 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
     refuse_too_large(recipe)
     judges = rated.judges(by)
     plan = RatingPlan(recipe=recipe, axis=axis, trials=trials, precision=precision)
-    plugins = plugin_identities([rated.source, *plugin_sources([recipe]).values()])
+    plugins = plugin_identities([recipe], [rated.source])
     content = {**rated.described(), **plugins, "axis": axis.name, "recipe": encode(recipe)}
     of: Json = json.loads(json.dumps(content))
     with opened(target.output, of, force=target.force) if target.output else nullcontext() as store:

@@ -84,14 +84,15 @@ def plugin_sources(recipes: Iterable[Recipe]) -> dict[str, Source]:
     """Return the kinds of obstacles, and of robots that cross, that come from plug-ins, each with its plug-in."""
     sources = dict[str, Source | None]()
     for recipe in recipes:
-        sources |= {obstacle.kind: KINDS.source(obstacle.kind) for obstacle in recipe.obstacles}
-        if isinstance(recipe.crossable_by, str) and recipe.crosser:
-            sources[recipe.crossable_by] = recipe.crosser.plugin
+        sources |= {kind: KINDS.source(kind) for kind in {obstacle.kind for obstacle in recipe.obstacles}}
+        if isinstance(recipe.crossable_by, str) and (robot := recipe.crosser):
+            sources[recipe.crossable_by] = robot.plugin
     return {kind: source for kind, source in sorted(sources.items()) if source}
 
 
-def plugin_identities(sources: Iterable[Source | None]) -> dict[str, Json]:
-    """Return what a journal of a long result says of its plug-ins: nothing if it uses none."""
+def plugin_identities(recipes: Iterable[Recipe], robots: Iterable[Source | None] = ()) -> dict[str, Json]:
+    """Return what a journal of a long result says of the plug-ins of recipes and robots: nothing if it uses none."""
+    sources = [*plugin_sources(recipes).values(), *robots]
     identities: list[Json] = [*sorted({source.identity for source in sources if source})]
     return {"plugins": identities} if identities else {}
 

@@ -183,8 +183,6 @@ def _other_axis(scanned: ScannedMap, options: ScanOptions) -> Iterator[str]:
 
 def _side(scan: Scan) -> Iterator[str]:
     """Yield a line if nothing tells which side of a field is up, or where level 0 is."""
-    from rsegen.scanning.extent import FLOOR_ROWS
-
     if scan.is_up_assumed:
         z, axis = scan.rotation[2], int(abs(scan.rotation[2]).argmax())
         up, down = ("xyz"[axis], f"-{'xyz'[axis]}") if z[axis] > 0 else (f"-{'xyz'[axis]}", "xyz"[axis])
@@ -192,7 +190,7 @@ def _side(scan: Scan) -> Iterator[str]:
             f"assumed: {up} is up, and the lowest tops are at level 0, as no floor around the field tells it "
             f"(--up={down} if it is not)"
         )
-    elif scan.floor_rows < FLOOR_ROWS:
+    elif not scan.has_floor:
         yield (
             "assumed: the lowest tops are at level 0, as no floor around the field tells it "
             "(else all levels are too low: scan some floor too)"

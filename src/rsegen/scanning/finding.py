@@ -111,7 +111,7 @@ def _with_side_up(near: Array, middle: Array, scan: Scan, settings: ScanSettings
     A field is a field from below too, its highest blocks level 0, and a frame is as wide as a narrow floor there.
     Raises a ScanError if the axes say that the origin, at which sensors are, is under the middle of the field.
     """
-    if settings.up is not None or settings.eye is not None or scan.floor_rows >= FLOOR_ROWS:
+    if settings.up is not None or settings.eye is not None or scan.has_floor:
         return scan, settings
     normal = scan.rotation[2]
     by_axes = normal * np.sign(normal[int(np.abs(normal).argmax())])

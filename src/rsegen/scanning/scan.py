@@ -13,6 +13,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.sorts import Cell
+from rsegen.scanning.extent import FLOOR_ROWS
 from rsegen.scanning.grid import CloudGrid
 from rsegen.scanning.ground import GroundFrame
 from rsegen.scanning.levels import Reading
@@ -84,6 +85,11 @@ class Scan:
     apart: int = 0
     floor_rows: int = 0
     is_up_assumed: bool = False
+
+    @property
+    def has_floor(self) -> bool:
+        """True if there is floor next to it, which tells which side is up, and where level 0 is."""
+        return self.floor_rows >= FLOOR_ROWS
 
     @property
     def seen(self) -> Mask:

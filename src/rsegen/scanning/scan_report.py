@@ -10,7 +10,6 @@ import numpy as np
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Json
 from rsegen.scanning.evidence import bits_saved, stepped_lines
-from rsegen.scanning.extent import FLOOR_ROWS
 from rsegen.scanning.scan import SURE, Scan
 from rsegen.scene.scene import north_up
 
@@ -54,7 +53,7 @@ def scan_content(scan: Scan, points: int) -> dict[str, Any]:
             named | {"confidence": float(share)}
             for named, share in zip(_named(scan, unsure), _confidence(scan)[unsure], strict=True)
         ],
-        "level_0_is_assumed": scan.floor_rows < FLOOR_ROWS,
+        "level_0_is_assumed": not scan.has_floor,
         "open_sides": list(scan.open_sides),
         "sides_of_few_raised_cells": list(scan.sparse_edges),
         "rotation": np.round(scan.rotation, 9).tolist(),

@@ -22,7 +22,6 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.evidence import CERTAIN, chance_of_level_row, falls_to_its_sides, stepped_lines
-from rsegen.scanning.extent import FLOOR_ROWS
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
@@ -220,7 +219,7 @@ def _refuse_unended(scan: Scan, cloud: Cloud) -> None:
                 f"{n_x} x {n_y} blocks are raised, and more at level 0 may be next to them, which a mesh without a "
                 f"floor does not have: {why}; set size, to {n_x}x{n_y} if there are no more"
             )
-    elif scan.whole and scan.floor_rows < FLOOR_ROWS:
+    elif scan.whole and not scan.has_floor:
         raise ScanError(
             f"the lowest row around {n_x} x {n_y} blocks, with which the cloud ends, may be floor, blocks or a frame; "
             f"set size, to {n_x}x{n_y} if it is floor"
