@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -156,6 +157,25 @@ def test_a_cluster_makes_the_same_bytes_as_this_machine(tmp_path: Path, command:
     code, err = ended(started(*flags, "--scheduler", address, "-o", tmp_path / "there"))
     assert code == 0, err
     assert contents(tmp_path / "here") == contents(tmp_path / "there")
+
+
+@pytest.mark.slow
+def test_a_worker_may_be_lost_just_after_its_result_has_come(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from distributed.client import Future
+
+    lost = []
+    result: Any = Future._result
+
+    async def and_is_lost(future: Any, **options: bool) -> object:
+        value = await result(future, **options)
+        future._state.lose()
+        lost.append(future.key)
+        return value
+
+    monkeypatch.setattr(Future, "_result", and_is_lost)
+    sums = list(execute.execute(sum, range(100), 0.05, execute.Execution(scheduler=address)))
+    assert len(lost) == len(sums) > 1
+    assert sum(sums) == sum(range(100))
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import json
 import shutil
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from itertools import pairwise
@@ -154,10 +154,10 @@ def test_workers_measure_the_fields_and_make_the_maps(
     shared = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+    def here(workers: int) -> Iterator[tuple[Callable[..., Future[object]], int, Callable[[], None]]]:
         shared.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor, workers, lambda: None
+            yield executor.submit, workers, lambda: None
 
     series(RANDOM, tmp_path / "1", same_field=same_field)
     monkeypatch.setattr(execute_module, "WORTHWHILE", 0.0)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import wait as finished
 from contextlib import contextmanager
 from dataclasses import replace
@@ -100,10 +100,10 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
     asked = []
 
     @contextmanager
-    def here(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+    def here(workers: int) -> Iterator[tuple[Callable[..., Future[object]], int, Callable[[], None]]]:
         asked.append(workers)
         with ThreadPoolExecutor(1) as executor:
-            yield executor, workers, lambda: None
+            yield executor.submit, workers, lambda: None
 
     monkeypatch.setattr(execute_module, "_processes", here)
     rsegen.save(RECIPE, tmp_path / "recipe.json")

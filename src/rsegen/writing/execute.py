@@ -1,10 +1,10 @@
 """Run work on many items here, in worker processes, or on a Dask cluster: results in order, nothing left behind.
 
-All three are executors of `concurrent.futures`; a few batches per worker are under way at any time. Workers are started
-with `spawn` on every system: nothing is inherited from threads, and no worker keeps another one's pipe open. Signals
-that stop a run reach this process alone, which lets the workers end. The result never depends on where, or in what
-batches, it is made. Cost: half a second per worker at the start, so a short run stays in this process. What breaks it:
-a worker that the system kills for want of memory, which ends the run (WorkerLost).
+A few batches per worker are under way at any time. Workers are started with `spawn` on every system: nothing is
+inherited from threads, and no worker keeps another one's pipe open. Signals that stop a run reach this process alone,
+which lets the workers end. The result never depends on where, or in what batches, it is made. Cost: half a second per
+worker at the start, so a short run stays in this process. What breaks it: a worker that the system kills for want of
+memory, which ends the run (WorkerLost).
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import CancelledError, Executor, Future
+from concurrent.futures import CancelledError, Future
 from concurrent.futures import wait as finished
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -62,6 +63,9 @@ WORKERS = Integer(1, help="processes that make maps at the same time")
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+_Submit = Callable[..., Future[Any]]
+"""What takes work and a batch of items, and promises the result."""
 
 
 def cores() -> int:
@@ -115,8 +119,8 @@ def executor_of(
         yield lambda items: _here(work, _batches(items, seconds, 1))
         return
     opened = _processes(most) if execution.scheduler is None else _cluster(execution.scheduler, most)
-    with opened as (executor, workers, check):
-        yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers, check)
+    with opened as (submit, workers, check):
+        yield lambda items: _in_order(submit, with_plugins(work), _batches(items, seconds, workers), workers, check)
 
 
 def _here(work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]]) -> Iterator[Result]:
@@ -132,7 +136,7 @@ def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Se
 
 
 def _in_order(
-    executor: Executor,
+    submit: _Submit,
     work: Callable[[Sequence[Item]], Result],
     batches: Iterator[Sequence[Item]],
     workers: int,
@@ -142,15 +146,15 @@ def _in_order(
 
     check: called now and then while a result is waited for; it raises where none will come any more
     """
-    waiting = deque(_submitted(executor, work, batch) for batch in islice(batches, AHEAD * workers))
+    waiting = deque(_submitted(submit, work, batch) for batch in islice(batches, AHEAD * workers))
     while waiting:
         yield _result(waiting.popleft(), check)
-        waiting.extend(_submitted(executor, work, batch) for batch in islice(batches, 1))
+        waiting.extend(_submitted(submit, work, batch) for batch in islice(batches, 1))
 
 
-def _submitted(executor: Executor, work: Callable[[Sequence[Item]], Result], batch: Sequence[Item]) -> Future[Result]:
+def _submitted(submit: _Submit, work: Callable[[Sequence[Item]], Result], batch: Sequence[Item]) -> Future[Result]:
     with stop.held(), _no_signals_for_new_processes():
-        return executor.submit(work, batch)
+        return submit(work, batch)
 
 
 def _result(future: Future[Result], check: Callable[[], object]) -> Result:
@@ -170,8 +174,8 @@ def _result(future: Future[Result], check: Callable[[], object]) -> Result:
 
 
 @contextmanager
-def _processes(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
-    """Yield an executor of processes, how many there are, and a check that all still are; at the end none is left."""
+def _processes(workers: int) -> Iterator[tuple[_Submit, int, Callable[[], None]]]:
+    """Yield what submits to processes, how many there are, and a check that all still are; at the end none is left."""
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
@@ -189,7 +193,7 @@ def _processes(workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]
             raise BrokenProcessPool
 
     try:
-        yield pool, workers, check
+        yield pool.submit, workers, check
     except BaseException as error:
         sender.close()
         # A worker may end in the middle of a long result. The pool's thread would wait for the rest of it for ever, as
@@ -261,8 +265,8 @@ def _end_helpers() -> None:
 
 
 @contextmanager
-def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
-    """Yield an executor of a Dask cluster, how many workers it has, and a check that the cluster is still there.
+def _cluster(scheduler: str, workers: int) -> Iterator[tuple[_Submit, int, Callable[[], None]]]:
+    """Yield what submits to a Dask cluster, how many workers it has, and a check that the cluster is still there.
 
     A worker that is lost is replaced by another.
     """
@@ -290,15 +294,33 @@ def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int, Call
                 raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
 
             def check() -> None:
-                # A result that is on its way while the scheduler ends wakes nobody: Dask's executor forgets it.
+                # A result that is on its way while the scheduler ends wakes nobody.
                 if client.status != "running":
                     raise CommClosedError
 
-            yield client.get_executor(pure=False), max(workers, sum(client.ncores().values())), check
+            yield partial(_submit_to, client), max(workers, sum(client.ncores().values())), check
     except distributed.KilledWorker as error:
         raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
     except lost:
         raise WorkerLost(f"the cluster at {scheduler} was lost: its scheduler ended, or is unreachable") from None
+
+
+def _submit_to(client: Any, work: Callable[[Sequence[Item]], Result], batch: Sequence[Item]) -> Future[Result]:
+    """Submit a batch to a cluster.
+
+    Dask's own executor asks for the state of work after its result has come, and takes the result for an error where a
+    worker was lost in between.
+    """
+    theirs, ours = client.submit(work, batch, pure=False), Future[Result]()
+
+    async def pass_on() -> None:
+        try:
+            ours.set_result(await theirs)
+        except BaseException as error:
+            ours.set_exception(error)
+
+    client.loop.add_callback(pass_on)
+    return ours
 
 
 def dask() -> Any:
