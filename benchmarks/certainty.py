@@ -22,6 +22,7 @@ import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -242,6 +243,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         for names in GROUPS:
             yield from _by(own, names)
         yield ""
+    yield from _together(record)
 
 
 def _by_judge(record: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
@@ -255,23 +257,94 @@ GROUPS = ((), ("robot",), ("robot", "unit_cm"), ("route",), ("route", "motors"),
 """Columns by which predictions are counted together."""
 
 
-def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str]:
-    """Yield a row for each group of predictions that are alike in some columns."""
-    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
-    for row in rows:
-        groups.setdefault(tuple(row[name] for name in names), []).append(row)
-    for key, group in groups.items():
-        cells = [f"{value:g} cm" if name == "unit_cm" else str(value) for name, value in zip(names, key, strict=True)]
-        sure = [row for row in group if not 1 - SHARP < row["told"] < SHARP]
+class _Counts(NamedTuple):
+    """Counts of predictions: how many are sure, how many drives of those were as told, and which crossed as told."""
+
+    predictions: int
+    sure: int
+    right: int
+    of_sure: int
+    crossed: int
+    of_yes: int
+
+    @classmethod
+    def of(cls, rows: Sequence[Mapping[str, Any]]) -> _Counts:
+        """Count the predictions of some rows."""
+        sure = [row for row in rows if not 1 - SHARP < row["told"] < SHARP]
         yes = [row for row in sure if row["told"] >= SHARP]
         right = sum(row["crossed"] if row["told"] >= SHARP else row["of"] - row["crossed"] for row in sure)
         of_sure, of_yes = (sum(row["of"] for row in part) for part in (sure, yes))
-        crossed = sum(row["crossed"] for row in yes)
-        share = f"{right} of {of_sure} ({right / of_sure:.0%})" if sure else ""
-        ends = "{:.2f} to {:.2f}".format(*wilson(right, of_sure)) if sure else ""
-        told = f"{crossed} of {of_yes}" if yes else ""
-        of = ", ".join(cells) or "all"
-        yield f"| {of} | {len(group)} | {len(sure) / len(group):.0%} | {share} | {ends} | {told} |"
+        return cls(len(rows), len(sure), right, of_sure, sum(row["crossed"] for row in yes), of_yes)
+
+    @property
+    def share_sure(self) -> str:
+        """The share of predictions that are sure."""
+        return f"{self.sure / self.predictions:.0%}"
+
+    @property
+    def share_right(self) -> str:
+        """How many drives of sure predictions were as told."""
+        return f"{self.right} of {self.of_sure} ({self.right / self.of_sure:.0%})" if self.of_sure else ""
+
+
+def _grouped(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[tuple[Any, ...], _Counts]:
+    """Return the counts of each group of predictions that are alike in some columns."""
+    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[name] for name in names), []).append(row)
+    return {key: _Counts.of(group) for key, group in groups.items()}
+
+
+def _named(key: Sequence[Any]) -> str:
+    """Return the name of a group: its values, with the unit of lengths."""
+    return ", ".join(f"{value:g} cm" if isinstance(value, float) else str(value) for value in key) or "all"
+
+
+def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str]:
+    """Yield a row for each group of predictions that are alike in some columns."""
+    for key, counts in _grouped(rows, names).items():
+        ends = "{:.2f} to {:.2f}".format(*wilson(counts.right, counts.of_sure)) if counts.of_sure else ""
+        told = f"{counts.crossed} of {counts.of_yes}" if counts.of_yes else ""
+        yield f"| {_named(key)} | {counts.predictions} | {counts.share_sure} | {counts.share_right} | {ends} | {told} |"
+
+
+RECORDS = 4
+"""Records that are counted together: one alone has some twenty drives of a robot in a Gazebo."""
+
+_TOGETHER = (), ("robot",), ("robot", "unit_cm")
+"""Columns by which the predictions of several records are counted together."""
+
+
+def _sums(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is kept of a record once there is another one: its seed, and counts by simulator, robot and unit."""
+    groups = [
+        [title, *key, counts]
+        for title, rows in _by_judge(record).items()
+        for key, counts in _grouped(rows, _TOGETHER[-1]).items()
+    ]
+    return {"seed": record["seed"], "groups": groups}
+
+
+def _together(record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table of a record and those before it, counted together."""
+    records = [_sums(record), *record["earlier"]]
+    sums: dict[tuple[Any, ...], dict[str, _Counts]] = {}
+    for names, one in product(_TOGETHER, records):
+        for title, *key, counts in one["groups"]:
+            own = sums.setdefault(tuple(key[: len(names)]), {})
+            own[title] = _Counts(*map(sum, zip(own.get(title, (0,) * len(counts)), counts, strict=True)))
+    titles = list(sums[()])
+    yield "### Records together"
+    yield ""
+    seeds = ", ".join(str(one["seed"]) for one in records)
+    yield f"The last {len(records)} records counted together, of seeds {seeds}:"
+    yield ""
+    yield f"| of | {' | '.join(f'{title}: sure | of sure ones right' for title in titles)} |"
+    yield f"|---|{'---|---|' * len(titles)}"
+    for key, by_title in sums.items():
+        cells = (f"{counts.share_sure} | {counts.share_right}" for counts in map(by_title.__getitem__, titles))
+        yield f"| {_named(key)} | {' | '.join(cells)} |"
+    yield ""
 
 
 def brier(rows: Sequence[Mapping[str, Any]]) -> float:
@@ -313,6 +386,15 @@ def loaded() -> dict[str, Any]:
     return record
 
 
+def _keep(record: Mapping[str, Any]) -> None:
+    """Write a record, with a line for each earlier one and for each prediction."""
+    parts = []
+    for name, value in record.items():
+        lines = ",\n  ".join(json.dumps(one) for one in value) if isinstance(value, list) else ""
+        parts.append(f' "{name}": ' + (f"[\n  {lines}\n ]" if lines else json.dumps(value)))
+    FILE.write_text("{\n" + ",\n".join(parts) + "\n}\n", "utf-8")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0; 3 where a simulator is not installed."""
     options = _options(arguments)
@@ -330,12 +412,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for batch in execute(partial(judged, options.judge), every, _SECONDS, Execution(workers=options.workers)):
         rows += batch
         print(f"{len(rows)} predictions of {len(every)} fields judged", file=sys.stderr)
-    record = {"machine": machine(), "seed": seed, "simulators": versions, "columns": COLUMNS, "rows": rows}
+    last = loaded()
+    record = {
+        "machine": machine(),
+        "seed": seed,
+        "simulators": versions,
+        "earlier": [_sums(last), *last["earlier"]][: RECORDS - 1],
+        "columns": COLUMNS,
+        "rows": rows,
+    }
     print("\n".join(table(record)))
     if not options.quick:
-        lines = ",\n  ".join(json.dumps(row) for row in rows)
-        head = json.dumps({name: value for name, value in record.items() if name != "rows"}, indent=1)[:-2]
-        FILE.write_text(f'{head},\n "rows": [\n  {lines}\n ]\n}}\n', "utf-8")
+        _keep(record)
         draw(record)
     return 0
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -19,8 +23,28 @@ def test_every_prediction_of_the_record_is_in_one_bin() -> None:
     found = [certainty._Bin.of(rows, low, high) for low, high in BINS]
     assert sum(part.predictions for part in found if part) == len(rows) > 50
     assert sum(part.drives for part in found if part) == sum(row["of"] for row in rows)
-    told = [int(line.split(" predictions")[0].split()[-1]) for line in table(loaded()) if line.startswith("**")]
+    told = [int(line.split(" predictions")[0].split()[-1]) for line in table(loaded()) if " predictions, " in line]
     assert sum(told) == len(rows)
+
+
+def test_records_are_counted_together() -> None:
+    record = loaded()
+    alone, every = (_counts({**record, "earlier": record["earlier"][:most]}) for most in (0, certainty.RECORDS))
+    twice = _counts({**record, "earlier": [certainty._sums(record)]})
+    assert twice["all"] == [2 * count for count in alone["all"]]
+    assert all(more > few > 0 for few, more in zip(alone["all"], every["all"], strict=True))
+    robots = {key: counts for key, counts in every.items() if key != "all" and "," not in key}
+    assert set(robots) >= set(PLANS)
+    assert [sum(counts) for counts in zip(*robots.values(), strict=True)] == every["all"]
+
+
+def _counts(record: Mapping[str, Any]) -> dict[str, list[int]]:
+    """Drives of sure predictions that were as told, and all, simulator by simulator, of the groups of records."""
+    rows = [line for line in certainty._together(record) if " of " in line and line.startswith("|")]
+    return {
+        row.split("|")[1].strip(): [int(one) for one in re.findall(r"\d+(?= of )|(?<= of )\d+", row)]
+        for row in rows[1:]
+    }
 
 
 def test_fields_are_fresh_and_the_same_for_a_seed() -> None:
