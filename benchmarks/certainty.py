@@ -283,7 +283,7 @@ class _Counts(NamedTuple):
 
     @property
     def share_right(self) -> str:
-        """How many drives of sure predictions were as told."""
+        """The drives of sure predictions that were as told, of all."""
         return f"{self.right} of {self.of_sure} ({self.right / self.of_sure:.0%})" if self.of_sure else ""
 
 

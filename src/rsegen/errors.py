@@ -260,10 +260,7 @@ def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
     if value is None:
         return "an empty value"  # what stands after `boundary:` in a file is Python's None, and not the word none
-    try:
-        text = " ".join(_SHORT.repr(value).splitlines())
-    except ValueError:  # Python writes out no number that is longer
-        return "a number of thousands of digits"
+    text = " ".join(_SHORT.repr(value).splitlines())
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
@@ -298,8 +295,21 @@ _LONGEST_WORD = 300
 _LONGEST = 120
 """Letters of a value, or of a library's message, in a message of rsegen: one line of a wide terminal."""
 
+
 # Values come from files of anybody: three levels of lists, and numbers and texts by their ends.
-_SHORT = reprlib.Repr()
+class _Repr(reprlib.Repr):
+    """As it is in reprlib, but for numbers that are so long that Python does not write them out."""
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Return the digits of a number, or a few words."""
+        try:
+            str(x)
+        except ValueError:
+            return "a number of thousands of digits"
+        return super().repr_int(x, level)
+
+
+_SHORT = _Repr()
 _SHORT.maxlevel = 3
 _SHORT.maxstring = _SHORT.maxother = 60
 _SHORT.maxlong = 40

@@ -20,7 +20,10 @@ CALLS: Mapping[str, tuple[Callable[[], object], str]] = {
         lambda: Recipe(seed=MORE_DIGITS_THAN_PYTHON_WRITES),
         "seed: a number of thousands of digits is outside 0..",
     ),
-    "a pair of such": (lambda: Recipe(chunks=(1, MORE_DIGITS_THAN_PYTHON_WRITES)), "chunks: a number of thousands"),
+    "a pair of such": (
+        lambda: Recipe(chunks=(1, MORE_DIGITS_THAN_PYTHON_WRITES)),
+        r"chunks: \(1, a number of thousands of digits\) is not",
+    ),
     "an array": (lambda: Recipe(seed=np.zeros((3, 3))), "seed: .* is not a whole number"),  # type: ignore[arg-type]
     "nothing": (lambda: Recipe(maps=None), "maps: an empty value is not a whole number"),  # type: ignore[arg-type]
     "a truth": (lambda: Recipe(maps=True), "maps: True is not a whole number"),

@@ -140,7 +140,14 @@ def test_drives_that_decide_together_have_an_error_in_each_of_its_parts(group: r
 
 @pytest.mark.parametrize(
     ("v", "w", "is_held"),
-    [(0.0, 0.0, True), (0.03, 0.0, False), (0.005, 0.0, True), (0.0, 0.1, False), (0.0, 0.01, True)],
+    [
+        (0.0, 0.0, True),
+        (0.03, 0.0, False),
+        (0.005, 0.0, False),
+        (0.003, 0.0, True),
+        (0.0, 0.1, False),
+        (0.0, 0.01, True),
+    ],
 )
 def test_a_robot_is_held_that_neither_comes_on_nor_turns(v: float, w: float, is_held: bool) -> None:
     (run,) = robot_runs(FLOOR.field, ROBOTS["burger"], "straight", count=1, seed=1)

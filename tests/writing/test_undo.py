@@ -7,7 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from itertools import count
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -205,3 +205,19 @@ def test_a_folder_is_removed_once_its_disk_knows_that_a_file_in_it_is_closed(
     undo.remove_empty(tmp_path / "b")
     assert (tmp_path / "b" / "lock").exists()
     assert next(pauses) == 5
+
+
+def test_folders_deeper_than_python_calls_functions_are_made_and_removed(tmp_path: Path) -> None:
+    deep = tmp_path.joinpath(*["n"] * 1200)
+    with ExitStack() as made:
+        undo.make_folder(deep, made)
+        assert deep.is_dir()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_folder_is_made_below_a_file_or_of_a_name_that_is_too_long(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for place, number in (("new/" + "n" * 300, errno.ENAMETOOLONG), ("file/new", errno.ENOTDIR)):
+        with ExitStack() as made, pytest.raises(OSError, match=os.strerror(number)):
+            undo.make_folder(tmp_path / place, made)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -48,9 +48,10 @@ PRIOR = 0.25
 LEAVES = "leaves the map,"
 """The reason of a drive that ends next to the map, before its side."""
 
-_HELD, _WITHIN, _TURNED = 3.0, 0.02, radians(5)
+_HELD, _WITHIN, _TURNED = 3.0, 0.01, radians(2.5)
 """Seconds in which a robot comes on by less than these metres, and turns by less than these radians, and is held for
-good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either."""
+good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either. Those that
+are held come on by a millimetre; small wheels on edges creep on by one or two centimetres, and half of them get free."""
 
 _SECONDS = 0.5
 """CPU seconds that a drive takes, about."""

@@ -65,7 +65,7 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 _Submit = Callable[..., Future[Any]]
-"""What takes work and a batch of items, and promises the result."""
+"""Function that takes work and a batch of items, and promises the result."""
 
 
 def cores() -> int:

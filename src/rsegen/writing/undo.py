@@ -133,12 +133,19 @@ _CHANGED = "was changed while a run replaced it, which could not put it back; th
 
 def make_folder(folder: Path, undo: ExitStack) -> None:
     """Make a folder, and those above it, and let `undo` remove those that are still empty."""
-    if not folder.is_dir():
-        if os.path.lexists(folder):
-            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
-        make_folder(folder.parent, undo)
-        folder.mkdir()
-        undo.callback(remove_empty, folder)
+    missing = []
+    for place in (folder, *folder.parents):
+        if place.is_dir():
+            break
+        try:
+            place.lstat()
+        except (FileNotFoundError, NotADirectoryError):
+            missing.append(place)
+        else:
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(place))
+    for place in reversed(missing):
+        place.mkdir()
+        undo.callback(remove_empty, place)
 
 
 _OF_DISKS = (".fuse_hidden", ".nfs")
