@@ -126,6 +126,24 @@ def test_one_wheel_with_friction_pushes(tmp_path: Path) -> None:
     assert not from_file(file).remarks
 
 
+@pytest.mark.parametrize("steered", [True, False])
+def test_a_car_whose_front_wheels_only_steer_is_refused(tmp_path: Path, steered: bool) -> None:
+    wheel = """<link name="{side}_front"><inertial>{part}</inertial><collision><origin rpy="1.5707963267948966 0 0"/>
+      <geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+      <joint name="{side}_pin" type="{kind}"><origin xyz="0.3 {y} 0.02"/><parent link="base_footprint"/>
+      <child link="{side}_front"/><axis xyz="0 0 1"/>{limits}</joint>"""
+    kind, limits = ("revolute", LIMITS) if steered else ("continuous", "")
+    front = "".join(
+        wheel.format(side=side, y=y, kind=kind, limits=limits, part=PART)
+        for side, y in (("left", 0.15), ("right", -0.15))
+    )
+    file = tmp_path / "car.urdf"
+    file.write_text(two_wheels_urdf("").replace("</robot>", f"{front}</robot>"))
+    robot = from_file(file)
+    assert robot.steered == (("left_pin", "right_pin") if steered else ())
+    assert (robot.read_drive is None) is steered
+
+
 KOBUKI = """<plugin name="drive" filename="libgazebo_ros_kobuki.so">
   <left_wheel_joint_name>left_hub</left_wheel_joint_name><right_wheel_joint_name>right_hub</right_wheel_joint_name>
   <wheel_separation>0.31</wheel_separation>{}<torque>1.5</torque></plugin>"""
