@@ -110,13 +110,42 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
         for controller in ros.controllers
         if all(joint in frames.joints and is_along_y(joint, frames) for joint in (*controller.left, *controller.right))
     ]
-    for controller in sorted(whole, key=lambda controller: _misfit(controller, frames)):
+    controlled = rolling_joints((joint for joint in ros.rates if joint in frames.joints), frames)
+    fitting = _fitting(whole, large_wheels(controlled, frames), frames)
+    for controller in sorted(fitting, key=lambda controller: _misfit(controller, frames)):
         if drive := _of_wheels(controller, frames, ros):
             return drive
     if steered_wheels(frames, ros):
         return None
-    controlled = rolling_joints((joint for joint in ros.rates if joint in frames.joints), frames)
-    return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
+    drive = _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
+    return drive and drive._replace(origin=f"{drive.origin}{_of_others(whole) if not fitting else ''}")
+
+
+_NEAR = 0.05
+"""Share of a wheel's radius by which that of the right one of several files of controllers may differ."""
+
+
+def _fitting(controllers: Sequence[Controller], wheels: Iterable[str], frames: ModelFrames) -> list[Controller]:
+    """Return the controllers that may be of a robot: of several files, those of its radius that drive all its wheels.
+
+    A package may have files for several robots whose joints are called alike.
+    wheels: those that take a velocity
+    """
+    if len({controller.where for controller in controllers}) < 2:
+        return list(controllers)
+
+    def fits(controller: Controller) -> bool:
+        own = _radius(controller.left, frames)
+        is_near = not controller.radius or not own or abs(controller.radius / own - 1) <= _NEAR
+        return is_near and {*wheels} <= {*controller.left, *controller.right}
+
+    return [controller for controller in controllers if fits(controller)]
+
+
+def _of_others(controllers: Sequence[Controller]) -> str:
+    """Return that files of controllers are not used, in words; an empty text for none."""
+    files = list(dict.fromkeys(controller.where for controller in controllers))
+    return f"; not by {', '.join(files)}, which have other wheels" if files else ""
 
 
 def _misfit(controller: Controller, frames: ModelFrames) -> float:
@@ -378,6 +407,13 @@ def controlled_links(plugins: Iterable[Element]) -> set[str]:
     """Return the links of the tracks that have a TrackController among some plug-ins."""
     own = (plugin for plugin in plugins if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER)
     return {link for plugin in own for link in _named(plugin, ["link"])}
+
+
+def named_belts(robot: Element) -> set[str]:
+    """Return the links of tracks and flippers that the plug-ins of a robot in URDF name."""
+    plugins = list(robot.iter("plugin"))
+    tracked = (plugin for plugin in plugins if KNOWN.get(plugin_key(plugin.get("filename", ""))) == "tracks")
+    return {*controlled_links(plugins), *(link for plugin in tracked for side in _belts(plugin) for link in side)}
 
 
 def _size(link: str, frames: ModelFrames) -> list[float]:
