@@ -40,6 +40,7 @@ from rsegen.robots.sdf_drives import (
     DEFAULT_TURN,
     ReadDrive,
     find_drive,
+    named_belts,
     named_tracks,
     named_wheels,
     plugin_key,
@@ -386,7 +387,7 @@ def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[s
     if root.tag == "mujoco":
         return of_mujoco(root, where, wheels)
     if root.tag == "robot":
-        return converted(root, where, tracks), controls(root, Path(where))
+        return converted(root, where, {*tracks, *named_belts(root)}), controls(root, Path(where))
     return Converted(root), Controls()
 
 
