@@ -13,6 +13,7 @@ from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.robots.drives import BACKENDS, Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames
+from tests.robots import tracked_and_legged
 from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
 
 MESH = "<collision name='m'><geometry><mesh><uri>{}</uri></mesh></geometry></collision>"
@@ -89,6 +90,28 @@ def test_a_plug_in_that_is_kept_has_the_sides_and_sizes_that_were_read(tmp_path:
         ["right_hub"],
     ]
     assert drive.findtext("max_linear_velocity") == "0.3"
+
+
+@pytest.mark.parametrize(
+    ("turn", "own", "kept"),
+    [("0", "", None), ("0.4", "", None), (math.pi, "", [0, 0, math.pi]), (math.pi, "0 0 3.14159265", [0, 0, math.pi])],
+)
+def test_a_belt_moves_ahead_whichever_way_its_link_points(
+    tmp_path: Path, turn: str | float, own: str, kept: list[float] | None
+) -> None:
+    orientation = f"<track_orientation>{own}</track_orientation>" if own else ""
+    belts = "".join(
+        f"<plugin name='p' filename='gz-sim-track-controller-system'><link>{side}</link>{orientation}</plugin>"
+        for side in ("left", "right")
+    )
+    pitch_or_yaw = f"0 {turn} 0" if turn == "0.4" else f"0 0 {turn}"  # a pitched flipper is as it should be
+    text = tracked_and_legged.tracked().replace(
+        "<pose>0 -0.18 0.08 0 0 0</pose>", f"<pose>0 -0.18 0.08 {pitch_or_yaw}</pose>"
+    )
+    model = ElementTree.fromstring(read(tmp_path, text.replace("</model>", f"{belts}</model>")).model("one", "sim"))
+    (right,) = (plugin for plugin in model.iter("plugin") if plugin.findtext("link") == "right")
+    found = right.findtext("track_orientation")
+    assert (found and [abs(float(value)) for value in found.split()]) == (kept and pytest.approx(kept, abs=1e-6))
 
 
 def test_why_a_plug_in_is_not_used_is_said(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring
 from rsegen.gazebo.sdf import numbers
 from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
 from rsegen.robots.holding import hold, turn_to_the_left
+from rsegen.robots.links import angles, rotation
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
     KNOWN,
@@ -19,7 +20,8 @@ from rsegen.robots.sdf_drives import (
     controlled_links,
     plugin_key,
 )
-from rsegen.robots.sdf_elements import put
+from rsegen.robots.sdf_elements import numbers_text, put
+from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 if TYPE_CHECKING:
     from rsegen.robots.sdf_file import SdfRobot
@@ -69,6 +71,7 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
     model.extend([*kept, *publisher])
+    _align_belts(model, robot.kind)
     _respell(model, backend)
     return {
         HELD: some_of(held),
@@ -94,6 +97,32 @@ def _put_drive(plugin: Element, drive: Drive | None) -> None:
         for part in plugin.findall(tag):
             plugin.remove(part)
         put(plugin, tag, numbers([value]))
+
+
+def _align_belts(model: Element, where: str) -> None:
+    """Make the belts of Gazebo Sim move along x of the model, wherever the y of their links points.
+
+    Its TrackController moves a belt across the y of the link, as <track_orientation> turns it, so a right track that is
+    mirrored by half a turn would move backwards.
+    """
+    plugins = [
+        plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER
+    ]
+    frames = ModelFrames(model, where) if plugins else None
+    for plugin in plugins:
+        link = next(iter(controlled_links([plugin])), "")
+        if frames is None or link not in frames.elements:
+            continue
+        turned = frames.transform(link)[:3, :3]
+        own = rotation(*floats(plugin.findtext("track_orientation") or "0 0 0", 3, where))
+        if (turned @ own)[1, 1] < _ALONG_Y:
+            for part in plugin.findall("track_orientation"):
+                plugin.remove(part)
+            put(plugin, "track_orientation", numbers_text(angles(turned.T)))
+
+
+_ALONG_Y = 0.99
+"""Cosine of the angle between the y of a belt and that of the model at least."""
 
 
 _TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")
