@@ -114,3 +114,63 @@ def test_of_several_controllers_that_whose_sizes_are_those_of_the_wheels_counts(
     )
     file.write_text(two_wheels_urdf(named))  # what the robot names counts in any case
     assert from_file(file).speed == 3
+
+
+def of_a_family(folder: Path, robot: str, *named: str, others: str = "", **files: str) -> SdfRobot:
+    """The robot in a package with files for others, whose wheels are called alike, and with files of its own.
+
+    others: what the files for others say more; named: files that the robot names
+    """
+    package = folder / "workspace" / "my_description"
+    package.mkdir(parents=True, exist_ok=True)
+    (package / "package.xml").write_text(PACKAGE.format("my_description", ""))
+    for name, radius in (("broad", 0.09), ("narrow", 0.02)):
+        files[name] = WHEELS.format("", "") + (others or f"  wheel_separation: 0.12\n  wheel_radius: {radius}\n")
+    for name, content in files.items():
+        (package / f"{name}.yaml").write_text(content)
+    named_files = "".join(f"<parameters>{package / name}.yaml</parameters>" for name in named)
+    plugin = f"<gazebo><plugin filename='libgz_ros2_control-system.so'>{named_files}</plugin></gazebo>"
+    file = package / "robot.urdf"
+    file.write_text(robot.replace("</robot>", f"{plugin}</robot>"))
+    return from_file(file)
+
+
+def test_of_several_files_none_counts_if_all_are_of_other_wheels(tmp_path: Path) -> None:
+    robot = of_a_family(tmp_path, two_wheels_urdf(""))
+    assert separation(robot) == pytest.approx(0.3)
+    assert "speed" in robot.assumed
+    read = robot.read_drive
+    assert read is not None
+    assert read.origin == (
+        "the shapes of its links, as its file does not say; not by workspace/my_description/broad.yaml,"
+        " workspace/my_description/narrow.yaml, which have other wheels"
+    )
+
+
+REAR = """  <link name="rear_{side}_wheel">
+    <inertial><mass value="0.2"/><inertia ixx="5e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="8e-4"/></inertial>
+    <collision><geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+  <joint name="rear_{side}_hub" type="continuous"><origin xyz="-0.2 {y} 0" rpy="-1.5707963267948966 0 0"/>
+    <parent link="base"/><child link="rear_{side}_wheel"/><axis xyz="0 0 1"/></joint>
+"""
+
+
+def test_of_several_files_those_that_leave_out_driven_wheels_do_not_count(tmp_path: Path) -> None:
+    joints = "".join(
+        f'<joint name="{end}{side}_hub"><command_interface name="velocity"/></joint>'
+        for end in ("", "rear_")
+        for side in ("left", "right")
+    )
+    rear = "".join(REAR.format(side=side, y=y) for side, y in (("left", 0.15), ("right", -0.15)))
+    text = two_wheels_urdf("").replace("</robot>", f"{rear}<ros2_control name='all'>{joints}</ros2_control></robot>")
+    robot = of_a_family(tmp_path, text, others="  wheel_radius: 0.05\n")
+    assert robot.drive.left == ("left_hub", "rear_left_hub")
+    assert "speed" in robot.assumed
+
+
+def test_a_file_that_the_robot_names_and_that_drives_otherwise_keeps_those_of_others_out(tmp_path: Path) -> None:
+    near = WHEELS.format("", "") + "  wheel_radius: 0.05\n"
+    own = "manager: {drive: {type: tricycle_controller/TricycleController}}\n"
+    states = "manager: {states: {type: joint_state_broadcaster/JointStateBroadcaster}}\n"
+    assert of_a_family(tmp_path, two_wheels_urdf(""), "states", states=states, near=near).speed == 1.7
+    assert "speed" in of_a_family(tmp_path, two_wheels_urdf(""), "own", own=own, near=near).assumed

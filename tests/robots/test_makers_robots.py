@@ -37,7 +37,8 @@ def test_one_path_is_enough_and_all_that_is_assumed_is_said(tmp_path: Path) -> N
     assert (*robot.size, robot.lift) == pytest.approx((*plain.size, plain.lift))
     says, missing, plugins = robot.notes("classic")
     assert says == (
-        "rover: its wheels are left_hub,right_hub by rover_control/config/rover.yaml, 0.3 m apart, radius 0.05 m by it;"
+        "rover: its wheels are left_hub,right_hub by rover_control/config/rover.yaml, 0.3 m apart, radius 0.05 m"
+        " by rover_control/config/rover.yaml;"
         " size 0.400 x 0.320 x 0.130 m around its origin by its model; speed 0.35 m/s, turn rate 1.25 rad/s by"
         " rover_control/config/rover.yaml"
     )

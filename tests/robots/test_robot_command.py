@@ -41,6 +41,17 @@ def test_each_figure_has_its_origin(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found["shapes"] == ("4", "its <collision>: box 1, sphere 1, cylinder 2")
 
 
+def test_the_source_of_a_kind_is_printed_once_and_is_the_origin_of_each_figure(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for kind, robot in ROBOTS.items():
+        assert {origin for _, origin in figures(capsys, kind).values()} == {robot.source}
+        assert main(["robot", kind]) == 0
+        text = " ".join(capsys.readouterr().out.split())
+        assert text.count(robot.source) == 1
+        assert text.endswith(f"source {robot.source}")
+
+
 def test_what_is_assumed_is_said_and_effort_and_friction_are_the_joints(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

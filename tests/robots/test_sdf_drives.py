@@ -13,6 +13,7 @@ from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.robots.drives import BACKENDS, Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames
+from tests.robots import tracked_and_legged
 from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
 
 MESH = "<collision name='m'><geometry><mesh><uri>{}</uri></mesh></geometry></collision>"
@@ -46,7 +47,84 @@ def test_a_plug_in_that_stands_twice_in_a_file_has_each_wheel_once(tmp_path: Pat
 @pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
 def test_a_plug_in_that_names_joints_which_are_not_there_is_told_of(tmp_path: Path, name: str) -> None:
     robot = read(tmp_path, two_wheels(PLUGINS[name].replace("left_hub", "left_axle")))
-    assert robot.remarks == ("its plug-in names joints that it has not: left_axle",)
+    assert robot.remarks == ("its plug-in names joints that it has not, or that do not turn: left_axle",)
+
+
+@pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_wheels_of_a_plug_in_whose_axes_point_to_the_right_drive_forward(
+    tmp_path: Path, name: str, backend: str
+) -> None:
+    robot = read(tmp_path, two_wheels(PLUGINS[name], axis=-1))
+    assert robot.remarks == (
+        "the axes of left_hub, right_hub point to the right, so its plug-in turns these wheels backwards; here all"
+        " wheels drive it forward, along x",
+    )
+    model = ElementTree.fromstring(robot.model("one", backend))
+    assert [joint.findtext("axis/xyz") for joint in model.findall("joint")] == ["0 0 1"] * 2
+    assert read(tmp_path, two_wheels(PLUGINS[name])).remarks == ()
+
+
+_OTHER = {"left": "right_joint", "right": "left_joint"}
+
+
+@pytest.mark.parametrize(
+    ("own", "text"),
+    [
+        ("no sizes", re.sub("<wheel_.*_radius>", "", GZ)),
+        ("another radius", GZ.replace(">0.05<", ">0.02<")),
+        (
+            "sides by other names",
+            GZ.replace("left_hub", "r").replace("right_hub", "left_hub").replace(">r<", ">right_hub<"),
+        ),
+    ],
+)
+def test_a_plug_in_that_is_kept_has_the_sides_and_sizes_that_were_read(tmp_path: Path, own: str, text: str) -> None:
+    robot = read(tmp_path, two_wheels(text))
+    model = ElementTree.fromstring(robot.model("one", "sim"))
+    (drive,) = (plugin for plugin in model.iter("plugin") if "DiffDrive" in plugin.get("name", ""))
+    sizes = [[float(part.text or "") for part in drive.findall(tag)] for tag in ("wheel_separation", "wheel_radius")]
+    assert sizes == [[pytest.approx(SEPARATION)], [pytest.approx(RADIUS)]], own
+    assert [[part.text for part in drive.findall(f"{side}_joint")] for side in ("left", "right")] == [
+        ["left_hub"],
+        ["right_hub"],
+    ]
+    assert drive.findtext("max_linear_velocity") == "0.3"
+
+
+@pytest.mark.parametrize(
+    ("turn", "own", "kept"),
+    [("0", "", None), ("0.4", "", None), (math.pi, "", [0, 0, math.pi]), (math.pi, "0 0 3.14159265", [0, 0, math.pi])],
+)
+def test_a_belt_moves_ahead_whichever_way_its_link_points(
+    tmp_path: Path, turn: str | float, own: str, kept: list[float] | None
+) -> None:
+    orientation = f"<track_orientation>{own}</track_orientation>" if own else ""
+    belts = "".join(
+        f"<plugin name='p' filename='gz-sim-track-controller-system'><link>{side}</link>{orientation}</plugin>"
+        for side in ("left", "right")
+    )
+    pitch_or_yaw = f"0 {turn} 0" if turn == "0.4" else f"0 0 {turn}"  # a pitched flipper is as it should be
+    text = tracked_and_legged.tracked().replace(
+        "<pose>0 -0.18 0.08 0 0 0</pose>", f"<pose>0 -0.18 0.08 {pitch_or_yaw}</pose>"
+    )
+    model = ElementTree.fromstring(read(tmp_path, text.replace("</model>", f"{belts}</model>")).model("one", "sim"))
+    (right,) = (plugin for plugin in model.iter("plugin") if plugin.findtext("link") == "right")
+    found = right.findtext("track_orientation")
+    assert (found and [abs(float(value)) for value in found.split()]) == (kept and pytest.approx(kept, abs=1e-6))
+
+
+def test_why_a_plug_in_is_not_used_is_said(tmp_path: Path) -> None:
+    fixed = two_wheels(GZ).replace('type="revolute"', 'type="fixed"')
+    along_y = two_wheels(GZ).replace("-1.5707963267948966 0 0", "0 1.5707963267948966 0")  # its axles are along x
+    for text, reason in (
+        (fixed, "its plug-in names joints that it has not, or that do not turn: left_hub, right_hub"),
+        (along_y, "do not turn about axes along y, as those of robots whose front is along x: left_hub, right_hub"),
+    ):
+        robot = read(tmp_path, text)
+        assert robot.read_drive is None
+        with pytest.raises(ParameterError, match=f"no wheels or tracks: .*{re.escape(reason)}; name them"):
+            _ = robot.drive
 
 
 @pytest.mark.parametrize("axis", [1, -1])
@@ -114,7 +192,7 @@ def test_the_radius_of_the_wheels_counts_where_the_plug_in_has_another(tmp_path:
     robot = read(tmp_path, two_wheels(ROS_1.replace("Diameter>0.1", "Diameter>0.02")))
     assert robot.drive.radius == pytest.approx(0.05)
     note = next(robot.notes("classic"))
-    assert "radius 0.05 m by its plug-in, the radius by its wheels and not 0.01 m;" in note
+    assert "0.3 m apart by its plug-in, radius 0.05 m by its wheels, not 0.01 m by its plug-in;" in note
 
 
 def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,8 +89,10 @@ def test_a_robot_of_elements_nested_too_deeply_is_refused(tmp_path: Path, levels
 
 DRIVEN = (
     '<link name="base"><collision name="c"><geometry><box><size>{size}</size></box></geometry></collision></link>'
-    '<joint name="l" type="revolute"><parent>base</parent><child>lw</child></joint><link name="lw"/>'
-    '<joint name="r" type="revolute"><parent>base</parent><child>rw</child></joint><link name="rw"/>'
+    '<joint name="l" type="revolute"><parent>base</parent><child>lw</child><axis><xyz>0 1 0</xyz></axis></joint>'
+    '<link name="lw"/>'
+    '<joint name="r" type="revolute"><parent>base</parent><child>rw</child><axis><xyz>0 1 0</xyz></axis></joint>'
+    '<link name="rw"/>'
     '<plugin name="d" filename="libgazebo_ros_diff_drive.so"><left_joint>l</left_joint><right_joint>r</right_joint>'
     "<wheel_separation>{separation}</wheel_separation><wheel_radius>{radius}</wheel_radius>"
     "<max_linear_velocity>{speed}</max_linear_velocity><max_angular_velocity>{turn}</max_angular_velocity></plugin>"

@@ -126,24 +126,42 @@ def test_one_wheel_with_friction_pushes(tmp_path: Path) -> None:
     assert not from_file(file).remarks
 
 
+@pytest.mark.parametrize("steered", [True, False])
+def test_a_car_whose_front_wheels_only_steer_is_refused(tmp_path: Path, steered: bool) -> None:
+    wheel = """<link name="{side}_front"><inertial>{part}</inertial><collision><origin rpy="1.5707963267948966 0 0"/>
+      <geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+      <joint name="{side}_pin" type="{kind}"><origin xyz="0.3 {y} 0.02"/><parent link="base_footprint"/>
+      <child link="{side}_front"/><axis xyz="0 0 1"/>{limits}</joint>"""
+    kind, limits = ("revolute", LIMITS) if steered else ("continuous", "")
+    front = "".join(
+        wheel.format(side=side, y=y, kind=kind, limits=limits, part=PART)
+        for side, y in (("left", 0.15), ("right", -0.15))
+    )
+    file = tmp_path / "car.urdf"
+    file.write_text(two_wheels_urdf("").replace("</robot>", f"{front}</robot>"))
+    robot = from_file(file)
+    assert robot.steered == (("left_pin", "right_pin") if steered else ())
+    assert (robot.read_drive is None) is steered
+
+
 KOBUKI = """<plugin name="drive" filename="libgazebo_ros_kobuki.so">
   <left_wheel_joint_name>left_hub</left_wheel_joint_name><right_wheel_joint_name>right_hub</right_wheel_joint_name>
   <wheel_separation>0.31</wheel_separation>{}<torque>1.5</torque></plugin>"""
 
 
 @pytest.mark.parametrize(
-    ("said", "sizes"),
+    ("said", "radius_by"),
     [
         ("<wheel_diameter>0.1</wheel_diameter>", "its plug-in"),
-        ("", "its plug-in, the radius by its wheels"),
+        ("", "its wheels"),
     ],
 )
-def test_the_plug_in_of_a_turtlebot_2_is_read(tmp_path: Path, said: str, sizes: str) -> None:
+def test_the_plug_in_of_a_turtlebot_2_is_read(tmp_path: Path, said: str, radius_by: str) -> None:
     file = tmp_path / "cart.sdf"
     file.write_text(two_wheels(KOBUKI.format(said)))
     read = from_file(file).read_drive
     assert read is not None
-    assert (read.plugin, read.sizes) == ("gazebo_ros_kobuki", sizes)
+    assert (read.plugin, read.separation_by, read.radius_by) == ("gazebo_ros_kobuki", "its plug-in", radius_by)
     assert isinstance(read.drive, Wheels)
     assert (read.drive.separation, read.drive.radius, read.drive.torque) == (0.31, 0.05, 1.5)
 
@@ -151,18 +169,19 @@ def test_the_plug_in_of_a_turtlebot_2_is_read(tmp_path: Path, said: str, sizes: 
 def test_the_origin_of_each_size_of_a_controller_is_said(tmp_path: Path) -> None:
     (tmp_path / "package.xml").write_text("<package><name>cart_description</name></package>")
     names = "drive:\n  left_wheel: left_hub\n  right_wheel: right_hub\n"
-    for more, sizes in (
-        ("  wheel_separation: 0.31\n", "it, the radius by its wheels"),
-        ("  wheel_radius: 0.05\n", "its wheels, the radius by it"),
-        ("  wheel_radius: 0.05\n  wheel_separation: 0.31\n", "it"),
-        ("", "its wheels"),
+    file = f"{tmp_path.name}/control.yaml"
+    for more, origins in (
+        ("  wheel_separation: 0.31\n", (file, "its wheels")),
+        ("  wheel_radius: 0.05\n", ("its wheels", file)),
+        ("  wheel_radius: 0.05\n  wheel_separation: 0.31\n", (file, file)),
+        ("", ("its wheels", "its wheels")),
     ):
         (tmp_path / "control.yaml").write_text(names + more)
-        file = tmp_path / "cart.urdf"
-        file.write_text(two_wheels_urdf(""))
-        read = from_file(file).read_drive
+        (tmp_path / "cart.urdf").write_text(two_wheels_urdf(""))
+        read = from_file(tmp_path / "cart.urdf").read_drive
         assert read is not None
-        assert read.sizes == sizes
+        assert read.separation_by.endswith(origins[0])
+        assert read.radius_by.endswith(origins[1])
 
 
 def test_links_of_which_none_has_a_mass_are_named(tmp_path: Path) -> None:

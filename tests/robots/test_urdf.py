@@ -337,3 +337,26 @@ def test_joints_that_should_follow_another_are_named_in_a_note(tmp_path: Path) -
     assert f"hand: {note}" in list(robot.notes("sim"))
     assert not [said for said in robot.notes("mujoco") if "mimic" in said]
     assert "<mimic" not in robot.file("hand", "sim") + robot.model("hand", "classic")
+
+
+@pytest.mark.parametrize(
+    "plugin",
+    [
+        "<plugin name='p' filename='libSimpleTrackedVehiclePlugin.so'><body>base</body>"
+        "<left_track>left_wheel</left_track><right_track>right_wheel</right_track></plugin>",
+        "<plugin name='p' filename='gz-sim-tracked-vehicle-system'><left_track><link>left_wheel</link></left_track>"
+        "<right_track><link>right_wheel</link></right_track></plugin>",
+        "<plugin name='l' filename='gz-sim-track-controller-system'><link>left_wheel</link></plugin>"
+        "<plugin name='r' filename='gz-sim-track-controller-system'><link>right_wheel</link></plugin>",
+    ],
+)
+def test_tracks_that_a_plug_in_names_on_fixed_joints_are_links(tmp_path: Path, plugin: str) -> None:
+    file = tmp_path / "tracked.urdf"
+    file.write_text(two_wheels_urdf(plugin).replace('type="continuous"', 'type="fixed"'))
+    robot = from_file(file)
+    assert robot.drive.left == ("left_wheel",)
+    assert robot.drive.right == ("right_wheel",)
+    assert robot.drive.separation == pytest.approx(0.3)
+    read = robot.read_drive
+    assert read is not None
+    assert (read.separation_by, read.radius_by) == ("its shapes", "its shapes")

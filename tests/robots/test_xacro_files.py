@@ -238,6 +238,12 @@ def test_expressions_that_may_do_more_are_refused(expression: str) -> None:
         xacro_files._evaluated(expression, dict(NAMES))
 
 
+def test_a_name_may_begin_with_an_underscore_but_not_with_two() -> None:
+    assert xacro_files._evaluated("2 * _ixx", {**NAMES, "_ixx": 3}) == 6
+    with pytest.raises(ValueError, match="__ixx is more than arithmetic, and is not evaluated"):
+        xacro_files._evaluated("2 * __ixx", {**NAMES, "__ixx": 3})
+
+
 def written(path: Path, text: str) -> Path:
     path.write_text(text, "utf-8")
     return path

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
-from rsegen.robots.drives import Drive, Tracks, pose_publisher, prefixes
+from rsegen.gazebo.sdf import numbers
+from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
 from rsegen.robots.holding import hold, turn_to_the_left
+from rsegen.robots.links import angles, rotation
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
     KNOWN,
@@ -17,6 +20,8 @@ from rsegen.robots.sdf_drives import (
     controlled_links,
     plugin_key,
 )
+from rsegen.robots.sdf_elements import numbers_text, put
+from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 if TYPE_CHECKING:
     from rsegen.robots.sdf_file import SdfRobot
@@ -37,9 +42,10 @@ _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYS
 def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
 
-    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration; that of
-    tracks with its controllers of belts, which a drive commands itself (`Tracks.belt_commands`). ROS's plug-ins are
-    taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
+    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration, and gets
+    the sides, the separation and the radius that were read; that of tracks is kept with its controllers of belts, which
+    a drive commands itself (`Tracks.belt_commands`). ROS's plug-ins are taken out where their library is not in a
+    folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     if backend == "classic":
@@ -58,12 +64,14 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
             plugin.remove(topic)
         if plugin_key(plugin.get("filename", "")) == own:
             SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
+            _put_drive(plugin, drive)
     if isinstance(drive, Tracks) and not controlled_links(kept).issuperset((*drive.left, *drive.right)):
         kept = []
     if drive and not kept:
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
     model.extend([*kept, *publisher])
+    _align_belts(model, robot.kind)
     _respell(model, backend)
     return {
         HELD: some_of(held),
@@ -71,6 +79,50 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
         "left out for the drive, as their meshes are not found": ", ".join(visuals),
         "left out for the drive, as sensors move nothing": ", ".join(sensors),
     }
+
+
+def _put_drive(plugin: Element, drive: Drive | None) -> None:
+    """Put what was read of wheels into their plug-in: which are left, their separation and their radius.
+
+    Without them it takes a separation of 1 m and a radius of 0.2 m, and with others it drives or turns at another rate.
+    """
+    if not isinstance(drive, Wheels):
+        return
+    right = {(part.text or "").strip() for part in plugin if re.search("right.*joint", part.tag)}
+    if right and right <= {*drive.left}:
+        mirrored = {"left": "right", "right": "left"}
+        for part in plugin:
+            part.tag = re.sub("left|right", lambda side: mirrored[side[0]], part.tag)
+    for tag, value in (("wheel_separation", drive.separation * drive.slip), ("wheel_radius", drive.radius)):
+        for part in plugin.findall(tag):
+            plugin.remove(part)
+        put(plugin, tag, numbers([value]))
+
+
+def _align_belts(model: Element, where: str) -> None:
+    """Make the belts of Gazebo Sim move along x of the model, wherever the y of their links points.
+
+    Its TrackController moves a belt across the y of the link, as <track_orientation> turns it, so a right track that is
+    mirrored by half a turn would move backwards.
+    """
+    plugins = [
+        plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER
+    ]
+    frames = ModelFrames(model, where) if plugins else None
+    for plugin in plugins:
+        link = next(iter(controlled_links([plugin])), "")
+        if frames is None or link not in frames.elements:
+            continue
+        turned = frames.transform(link)[:3, :3]
+        own = rotation(*floats(plugin.findtext("track_orientation") or "0 0 0", 3, where))
+        if (turned @ own)[1, 1] < _ALONG_Y:
+            for part in plugin.findall("track_orientation"):
+                plugin.remove(part)
+            put(plugin, "track_orientation", numbers_text(angles(turned.T)))
+
+
+_ALONG_Y = 0.99
+"""Cosine of the angle between the y of a belt and that of the model at least."""
 
 
 _TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import zip_longest
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any
@@ -180,8 +180,16 @@ def _broken(text: str, width: int) -> list[str]:
     return [line for line in lines if line] or [""]
 
 
+def _with_shared_origin(figures: Sequence[Figure]) -> list[Figure]:
+    """Return the figures of a table; an origin that all of them have is in a row of its own, once."""
+    if len({figure.origin for figure in figures}) > 1:
+        return list(figures)
+    bare = [replace(figure, origin="") for figure in figures]
+    return [*bare, Figure(name="source", value=figures[0].origin, origin="")]
+
+
 def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:
-    lines = [kind, *_rows(figures, get_terminal_size((_USUAL_WIDTH, 0)).columns)]
+    lines = [kind, *_rows(_with_shared_origin(figures), get_terminal_size((_USUAL_WIDTH, 0)).columns)]
     content = {"kind": kind, "figures": [asdict(figure) for figure in figures], "remarks": list(remarks)}
     return Report(lines=lines, content=content, notes=remarks)
 
@@ -189,8 +197,8 @@ def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Rep
 def _of_kind(robot: Robot) -> Iterator[Figure]:
     """Yield the figures of one of rsegen's robots, which all have one source."""
     drive = robot.drive
-    yield Figure(name="mass", value=f"{robot.mass:.4g} kg", origin=robot.source)
     for name, value in (
+        ("mass", f"{robot.mass:.4g} kg"),
         ("size", _metres(robot.size)),
         ("drive", " and ".join(drive.side_names)),
         ("separation", f"{drive.separation:.4g} m"),
@@ -198,7 +206,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
         ("speed", f"{robot.speed:.4g} m/s"),
         ("turn rate", f"{robot.turn:.4g} rad/s"),
     ):
-        yield Figure(name=name, value=value, origin="likewise")
+        yield Figure(name=name, value=value, origin=robot.source)
 
 
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
@@ -226,14 +234,14 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
         why = (
             f"{', '.join(robot.steered)} {'is' if len(robot.steered) == 1 else 'are'} steered"
             if robot.steered
-            else "not in its file, and no links look like wheels"
+            else robot.undriven or "not in its file, and no links look like wheels"
         )
         yield Figure(name="drive", value="none", origin=why)
         return
     drive = read.drive
     yield Figure(name="drive", value=" and ".join(drive.side_names), origin=read.origin)
-    yield Figure(name="separation", value=f"{drive.separation:.4g} m", origin=read.sizes)
-    yield Figure(name="radius", value=f"{drive.radius:.4g} m", origin=read.sizes)
+    yield Figure(name="separation", value=f"{drive.separation:.4g} m", origin=read.separation_by)
+    yield Figure(name="radius", value=f"{drive.radius:.4g} m", origin=read.radius_by)
     yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
     yield Figure(name="turn rate", value=f"{robot.turn:.4g} rad/s", origin=_assumed(robot, "turn") or read.limits_by)
     if isinstance(drive, Wheels):

@@ -67,17 +67,31 @@ class ReadDrive(NamedTuple):
     """A drive as it was read from a model.
 
     plugin: its plug-in, by its key in KNOWN, empty for none; origin: what says which its wheels or tracks are, in
-    words; sizes: the origin of separation and radius; limits: of the speed and the turn rate, None if unknown, and
-    limits_by their origin; turned: wheels whose axes point to the right: they are turned to the left for a drive
+    words; separation_by, radius_by: the origins of these sizes; limits: of the speed and the turn rate, None if
+    unknown, and limits_by their origin; turned: wheels whose axes point to the right: they are turned to the left for
+    a drive
     """
 
     plugin: str
     drive: Drive
     origin: str
-    sizes: str
+    separation_by: str
+    radius_by: str
     limits: tuple[float | None, float | None] = (None, None)
-    limits_by: str = "its model"
+    limits_by: str = "its plug-in"
     turned: tuple[str, ...] = ()
+
+    @property
+    def sizes_in_words(self) -> str:
+        """Separation and radius with their origins, which are one in most files."""
+        drive = self.drive
+        skid = f", times {drive.slip:g} as they skid" if isinstance(drive, Wheels) and drive.slip != 1 else ""
+        apart, radius = f"{drive.separation:.4g} m apart{skid}", f"radius {drive.radius:.4g} m by {self.radius_by}"
+        return (
+            f"{apart}, {radius}"
+            if self.separation_by == self.radius_by
+            else f"{apart} by {self.separation_by}, {radius}"
+        )
 
 
 def plugin_key(file: str) -> str:
@@ -96,13 +110,42 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
         for controller in ros.controllers
         if all(joint in frames.joints and is_along_y(joint, frames) for joint in (*controller.left, *controller.right))
     ]
-    for controller in sorted(whole, key=lambda controller: _misfit(controller, frames)):
+    controlled = rolling_joints((joint for joint in ros.rates if joint in frames.joints), frames)
+    fitting = _fitting(whole, large_wheels(controlled, frames), frames)
+    for controller in sorted(fitting, key=lambda controller: _misfit(controller, frames)):
         if drive := _of_wheels(controller, frames, ros):
             return drive
     if steered_wheels(frames, ros):
         return None
-    controlled = rolling_joints((joint for joint in ros.rates if joint in frames.joints), frames)
-    return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
+    drive = _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
+    return drive and drive._replace(origin=f"{drive.origin}{_of_others(whole) if not fitting else ''}")
+
+
+_NEAR = 0.05
+"""Share of a wheel's radius by which that of the right one of several files of controllers may differ."""
+
+
+def _fitting(controllers: Sequence[Controller], wheels: Iterable[str], frames: ModelFrames) -> list[Controller]:
+    """Return the controllers that may be of a robot: of several files, those of its radius that drive all its wheels.
+
+    A package may have files for several robots whose joints are called alike.
+    wheels: those that take a velocity
+    """
+    if len({controller.where for controller in controllers}) < 2:
+        return list(controllers)
+
+    def fits(controller: Controller) -> bool:
+        own = _radius(controller.left, frames)
+        is_near = not controller.radius or not own or abs(controller.radius / own - 1) <= _NEAR
+        return is_near and {*wheels} <= {*controller.left, *controller.right}
+
+    return [controller for controller in controllers if fits(controller)]
+
+
+def _of_others(controllers: Sequence[Controller]) -> str:
+    """Return that files of controllers are not used, in words; an empty text for none."""
+    files = list(dict.fromkeys(controller.where for controller in controllers))
+    return f"; not by {', '.join(files)}, which have other wheels" if files else ""
 
 
 def _misfit(controller: Controller, frames: ModelFrames) -> float:
@@ -175,7 +218,7 @@ def named_tracks(text: str, frames: ModelFrames) -> ReadDrive:
     drive = _tracked(Element("plugin"), left, right, frames)
     if drive is None or not drive.drive.separation:
         raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
-    return drive._replace(origin="their names", sizes="its shapes")
+    return drive._replace(origin="their names")
 
 
 def _sides(text: str, what: str, of: str, known: Mapping[str, object]) -> list[list[str]]:
@@ -214,11 +257,10 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Contro
     return _of_wheels(Controller(origin, left, right), frames, ros) if paired else None
 
 
-def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it: str = "it") -> ReadDrive | None:
+def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
     """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
-    ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves; it: what
-    says separation and radius, in words
+    ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves
     """
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
@@ -228,13 +270,14 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it
     radius = controller.radius or measured
     if not separation or not radius:
         return None
-    sizes = _sizes_by(it, separation=controller.separation, radius=controller.radius)
+    separation_by = controller.where if controller.separation else _MEASURED
+    radius_by = controller.where if controller.radius else _MEASURED
     if measured and abs(radius - measured) > _AGREES * measured:
         # With a controller's figure the robot would drive at another speed than commanded.
-        sizes += f", the radius by its wheels and not {radius:.4g} m"
+        radius_by = f"{_MEASURED}, not {radius:.4g} m by {controller.where}"
         radius = measured
     if abs(separation - apart) > _AS_FAR * apart:  # skidding wheels turn as if they were farther apart
-        sizes += f", although its wheels are {apart:.4g} m apart"
+        separation_by += f", although its wheels are {apart:.4g} m apart"
     # Classic's plug-in takes the distance between the joints for the separation.
     joints_apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
     drive = Wheels(
@@ -247,41 +290,56 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it
         slip=controller.slip,
         spread=joints_apart / separation if joints_apart else 1,
     )
-    joints = (*left, *right)
+    limits, limits_by = _limits_of_wheels(controller, drive, frames, ros)
+    turned = tuple(joint for joint in (*left, *right) if frames.axis(joint)[1] < 0)
+    return ReadDrive("", drive, controller.where, separation_by, radius_by, limits, limits_by, turned)
+
+
+_MEASURED = "its wheels"
+"""The origin of a size that is measured on the collision shapes of wheels."""
+
+
+def _limits_of_wheels(
+    controller: Controller, drive: Wheels, frames: ModelFrames, ros: Controls
+) -> tuple[tuple[float | None, float | None], str]:
+    """Return the maximum speed and turn rate of wheels, None if unknown, and their origin in words."""
     speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
-    limits_by = own_source = [controller.where] if speed or turn else []
-    own = [positive_number(frames.joints[joint], frames.where, "axis/limit/velocity") for joint in joints]
-    for source, limits in ((ros.rated_by, map(ros.rates.get, joints)), ("its joints", own)):
+    origins = own_source = [controller.where] if speed or turn else []
+    own = [positive_number(frames.joints[joint], frames.where, "axis/limit/velocity") for joint in drive.joints]
+    for source, limits in ((ros.rated_by, map(ros.rates.get, drive.joints)), ("its joints", own)):
         if not speed:
-            speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
-            limits_by = [source, *own_source]
-    turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
-    return ReadDrive("", drive, controller.where, sizes, (speed, turn), " and ".join(limits_by), turned)
-
-
-def _sizes_by(it: str, *, separation: float | None, radius: float | None) -> str:
-    """Return what says separation and radius, in words; what it does not say is measured on the wheels."""
-    if separation and radius:
-        return it
-    if separation:
-        return f"{it}, the radius by its wheels"
-    return f"its wheels, the radius by {it}" if radius else "its wheels"
+            speed = _limit(SPEED, min(filter(None, limits), default=0) * drive.radius, frames)
+            origins = [source, *own_source]
+    return (speed, turn), " and ".join(origins)
 
 
 def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return a drive of wheels, which plug-ins of Gazebo and of ROS name by their joints."""
     left, right = _joints(plugin)
-    if not left or len(left) != len(right) or not {*left, *right} <= frames.joints.keys():
+    if not left or len(left) != len(right) or not all(_rolls(joint, frames) for joint in (*left, *right)):
         return None
     separation = positive_number(plugin, frames.where, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = positive_number(plugin, frames.where, "wheel_diameter", "wheelDiameter")
     radius = positive_number(plugin, frames.where, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    said = Controller("", left, right, separation, radius, *_limits(plugin, frames))
-    read = _of_wheels(said, frames, Controls(), it="its plug-in")
+    said = Controller("its plug-in", left, right, separation, radius, *_limits(plugin, frames))
+    read = _of_wheels(said, frames, Controls())
     if read is None or not isinstance(read.drive, Wheels):
         return None
-    drive = replace(read.drive, torque=positive_number(plugin, frames.where, *_TORQUES))
-    return read._replace(drive=drive, limits_by="its model", turned=())
+    return read._replace(drive=replace(read.drive, torque=positive_number(plugin, frames.where, *_TORQUES)))
+
+
+def _rolls(joint: str, frames: ModelFrames) -> bool:
+    """Return whether a joint is there, and turns about an axis across the model."""
+    return _type(joint, frames) in _TURNING and is_along_y(joint, frames)
+
+
+def _type(joint: str, frames: ModelFrames) -> str:
+    """Return the type of a joint; an empty text for none, as for a fixed one of URDF, whose links become one."""
+    return frames.joints[joint].get("type", "") if joint in frames.joints else ""
+
+
+_TURNING = ("revolute", "continuous")
+"""Types of joints that may be those of driven wheels."""
 
 
 def _joints(plugin: Element) -> tuple[list[str], list[str]]:
@@ -290,17 +348,48 @@ def _joints(plugin: Element) -> tuple[list[str], list[str]]:
     return left, right
 
 
-def missing_joints(model: Element, frames: ModelFrames) -> list[str]:
-    """Return the joints that plug-ins of wheels name, and the model has not: it was changed, or they are left out."""
-    named = (joint for plugin in _drive_plugins(model, frames).values() for side in _joints(plugin) for joint in side)
-    return [joint for joint in dict.fromkeys(named) if joint not in frames.joints]
+def plugin_problem(model: Element, frames: ModelFrames, read: ReadDrive | None) -> str:
+    """Return a sentence if a plug-in of a drive is not used, or drives another way than its maker's; else an empty one.
+
+    It names what the model has not, as it was changed or left out, or what does not turn about an axis across it.
+    """
+    if read and read.plugin:
+        return _TURNED.format(", ".join(read.turned)) if read.turned else ""
+    plugins = _drive_plugins(model, frames)
+    joints = _of_all(side for plugin in plugins.values() for side in _joints(plugin))
+    links = _of_all(side for plugin in plugins.values() for side in _belts(plugin))
+    for names, problem in (
+        ([joint for joint in joints if _type(joint, frames) not in _TURNING], _STIFF),
+        ([joint for joint in joints if not _rolls(joint, frames)], _ACROSS),
+        ([link for link in links if link not in frames.elements], "its plug-in names links that it has not: {}"),
+    ):
+        if names:
+            return problem.format(", ".join(names))
+    return ""
+
+
+_TURNED = (
+    "the axes of {} point to the right, so its plug-in turns these wheels backwards; here all wheels drive it forward,"
+    " along x"
+)
+_STIFF = "its plug-in names joints that it has not, or that do not turn: {}"
+_ACROSS = "the wheels of its plug-in do not turn about axes along y, as those of robots whose front is along x: {}"
+
+
+def _of_all(sides: Iterable[Sequence[str]]) -> list[str]:
+    return list(dict.fromkeys(name for side in sides for name in side))
+
+
+def _belts(plugin: Element) -> tuple[list[str], list[str]]:
+    """Return the links of tracks that a plug-in names, the left and the right ones, main tracks first."""
+    tags = ("{}_track", "{}_track/link", "{}_flipper")
+    left, right = (list(filter(None, _named(plugin, [tag.format(side) for tag in tags]))) for side in _SIDES)
+    return left, right
 
 
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of Classic's SimpleTrackedVehicle, which names links, or of Sim's TrackedVehicle: <link>s."""
-    tags = ("{}_track", "{}_track/link", "{}_flipper")
-    left, right = (list(filter(None, _named(plugin, [tag.format(side) for tag in tags]))) for side in _SIDES)
-    return _tracked(plugin, left, right, frames)
+    return _tracked(plugin, *_belts(plugin), frames)
 
 
 def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -311,13 +400,20 @@ def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None
     longest = sorted(zip(links, ys, strict=True), key=lambda link: -_size(link[0], frames)[0])
     left, right = ([link for link, y in longest if sign * (y - centre) > 0] for sign in (1, -1))
     drive = _tracked(plugin, left, right, frames)
-    return drive and drive._replace(origin=TRACK_CONTROLLER, sizes="its shapes")
+    return drive and drive._replace(origin=TRACK_CONTROLLER)
 
 
 def controlled_links(plugins: Iterable[Element]) -> set[str]:
     """Return the links of the tracks that have a TrackController among some plug-ins."""
     own = (plugin for plugin in plugins if plugin_key(plugin.get("filename", "")) == TRACK_CONTROLLER)
     return {link for plugin in own for link in _named(plugin, ["link"])}
+
+
+def named_belts(robot: Element) -> set[str]:
+    """Return the links of tracks and flippers that the plug-ins of a robot in URDF name."""
+    plugins = list(robot.iter("plugin"))
+    tracked = (plugin for plugin in plugins if KNOWN.get(plugin_key(plugin.get("filename", ""))) == "tracks")
+    return {*controlled_links(plugins), *(link for plugin in tracked for side in _belts(plugin) for link in side)}
 
 
 def _size(link: str, frames: ModelFrames) -> list[float]:
@@ -327,24 +423,29 @@ def _size(link: str, frames: ModelFrames) -> list[float]:
 
 
 def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of tracks whose links are known; without a <body>, as in Gazebo Sim, that is the first link."""
-    body = _text(plugin.find("body")) or next((name for name, _ in frames.links()), "")
-    if not left or not right or any(link not in frames.elements for link in (*left, *right, body)):
+    """Return the drive of tracks whose links are known; the body is the first link, if the plug-in names none.
+
+    Nor if that is no link of the model: that of URDF may be a part of its base_footprint.
+    """
+    if not left or not right or not {*left, *right} <= frames.elements.keys():
         return None
+    body = _text(plugin.find("body"))
+    if body not in frames.elements:
+        body = next((name for name, _ in frames.links()), "")
     middles = [_middle(link, frames) for link in (left[0], right[0])]
     if middles[0][1] < middles[1][1]:
         left, right = right, left
     # A track of unknown shape counts as 0.2 m high. The friction and the efficiency are SimpleTrackedVehicle's
     # defaults.
     measured = _size(left[0], frames)[2] if frames.shapes.of(left[0]) else 0.2
-    height = positive_number(plugin, frames.where, "tracks_height") or measured
+    separation = positive_number(plugin, frames.where, "tracks_separation")
+    height = positive_number(plugin, frames.where, "tracks_height")
     drive = Tracks(
         body=body,
         left=tuple(left),
         right=tuple(right),
-        separation=positive_number(plugin, frames.where, "tracks_separation")
-        or abs(float(middles[0][1] - middles[1][1])),
-        radius=height / 2,
+        separation=separation or abs(float(middles[0][1] - middles[1][1])),
+        radius=(height or measured) / 2,
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
         mu=positive_number(plugin, frames.where, "track_mu") or 2,
@@ -353,7 +454,8 @@ def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames:
     )
     speed, turn = _limits(plugin, frames)
     limits = _limit(SPEED, speed, frames), _limit(TURN, turn, frames)
-    return ReadDrive("", drive, "", "its plug-in", limits)
+    separation_by, radius_by = ("its plug-in" if said else "its shapes" for said in (separation, height))
+    return ReadDrive("", drive, "", separation_by, radius_by, limits)
 
 
 def _radius(joints: Sequence[str], frames: ModelFrames) -> float:

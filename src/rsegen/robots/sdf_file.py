@@ -40,10 +40,11 @@ from rsegen.robots.sdf_drives import (
     DEFAULT_TURN,
     ReadDrive,
     find_drive,
-    missing_joints,
+    named_belts,
     named_tracks,
     named_wheels,
     plugin_key,
+    plugin_problem,
 )
 from rsegen.robots.sdf_shapes import (
     Extents,
@@ -92,10 +93,11 @@ class SdfRobot(RobotOnField):
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
     if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
     be wheels; steered: those of wheels that are steered, if it has no drive; steering: the joints that steer them, also
-    if the user names others as its wheels; size: of a box around its origin that holds its collision shapes; lift: how
-    far its origin is above the lowest of them, metres; derived, assumed: which of size, speed and turn are from the
-    model, and which from nowhere; remarks: sentences about links that were left out, or whose inertia no body has,
-    joints that do not follow others as they should, and packages that are not found.
+    if the user names others as its wheels; undriven: why its plug-in is not used, if it has no drive; size: of a box
+    around its origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres;
+    derived, assumed: which of size, speed and turn are from the model, and which from nowhere; remarks: sentences
+    about links that were left out, or whose inertia no body has, joints that do not follow others as they should,
+    and packages that are not found.
     """
 
     kind: str
@@ -106,6 +108,7 @@ class SdfRobot(RobotOnField):
     joints: tuple[str, ...] = ()
     steered: tuple[str, ...] = ()
     steering: tuple[str, ...] = ()
+    undriven: str = ""
     size: Vector = (0.5, 0.5, 0.5)
     speed: float = DEFAULT_SPEED
     turn: float = DEFAULT_TURN
@@ -136,10 +139,13 @@ class SdfRobot(RobotOnField):
             )
         if self.read_drive is None:
             joints = f" ({some_of(self.joints)})" if self.joints else ""
+            nowhere = (
+                "no plug-in or actuator that rsegen knows has them, nor ros2_control or a file of a controller, and no"
+                " links look like wheels"
+            )
             raise ParameterError(
                 self.kind,
-                "no wheels or tracks: no plug-in or actuator that rsegen knows has them, nor ros2_control or a file of"
-                " a controller, and no links look like wheels; name them with tracks='LEFT,RIGHT', or"
+                f"no wheels or tracks: {self.undriven or nowhere}; name them with tracks='LEFT,RIGHT', or"
                 f" wheels='LEFT,RIGHT'{joints};"
                 " without them it only stands, with rsegen spawn",
             )
@@ -336,6 +342,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames)])
+    problem = plugin_problem(model, frames, drive)
+    remarks += [problem] if drive and problem else []
     steering = {} if drive and not wheels else steered_wheels(frames, ros)
     turned = set(map(frames.child, drive.drive.joints)) if drive else set[str]()  # a rotor adds to theirs
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
@@ -345,7 +353,6 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
-            (missing_joints(model, frames), "its plug-in names joints that it has not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
             (
                 links_by_default(frames),
@@ -364,6 +371,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in ("revolute", "continuous")),
         steered=() if drive else tuple(steering),
         steering=tuple(steering.values()),
+        undriven="" if drive else problem,
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,
@@ -379,7 +387,7 @@ def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[s
     if root.tag == "mujoco":
         return of_mujoco(root, where, wheels)
     if root.tag == "robot":
-        return converted(root, where, tracks), controls(root, Path(where))
+        return converted(root, where, {*tracks, *named_belts(root)}), controls(root, Path(where))
     return Converted(root), Controls()
 
 
@@ -451,9 +459,7 @@ def _derived(robot: SdfRobot) -> str:
         drive = read.drive
         what = "wheels" if isinstance(drive, Wheels) else "tracks"
         sides = ",".join(drive.side_names)
-        skid = f", times {drive.slip:g} as they skid" if isinstance(drive, Wheels) and drive.slip != 1 else ""
-        sizes = f"{drive.separation:.4g} m apart{skid}, radius {drive.radius:.4g} m"
-        phrases.append(f"its {what} are {sides} by {read.origin}, {sizes} by {read.sizes}")
+        phrases.append(f"its {what} are {sides} by {read.origin}, {read.sizes_in_words}")
     values = {
         "size": f"size {' x '.join(f'{side:.3f}' for side in robot.size)} m around its origin",
         "speed": f"speed {robot.speed:.4g} m/s",

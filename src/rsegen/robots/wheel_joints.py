@@ -38,27 +38,32 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
 
     Such wheels are as large as the largest. What steers has limits, or ROS gives it a position, or it does not trail:
-    casters do, and swivel freely. A universal joint steers too. A suspension and a rocker turn about level axes. What
-    is steered does not turn by a difference between its sides.
+    casters do, and swivel freely. A universal joint steers too, and so does one on which a wheel cannot roll, as in
+    models of cars that are only seen. A suspension and a rocker turn about level axes. What is steered does not turn by
+    a difference between its sides.
     """
     if not frames.shapes.whole:
         return {}
     above = {frames.child(name): name for name in frames.joints}
     universal = {name for name, joint in frames.joints.items() if joint.get("type") == "universal"}
     across = [name for name, joint in frames.joints.items() if is_endless(joint) and is_along_y(name, frames)]
-    radii = large_wheels((*across, *universal), frames)
+
+    def is_free(joint: str) -> bool:
+        return joint not in ros.placed and is_endless(frames.joints[joint])
+
+    stiff = {name for name in frames.joints if _swivels(name, frames) and not is_free(name)}
+    radii = large_wheels((*across, *universal, *stiff), frames)
 
     def steering(joint: str) -> str:
         """Return the joint that steers a wheel; an empty text for none."""
         link = frames.parent(joint)
-        if joint in universal:
+        if joint in universal or joint in stiff:
             return joint
         for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
             if link not in above:
                 return ""
             held = above[link]
-            is_free = held not in ros.placed and is_endless(frames.joints[held])
-            if _swivels(held, frames) and not (is_free and _trails(joint, held, radii[joint], frames)):
+            if _swivels(held, frames) and not (is_free(held) and _trails(joint, held, radii[joint], frames)):
                 return held
             link = frames.parent(held)
         return ""

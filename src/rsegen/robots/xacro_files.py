@@ -306,7 +306,7 @@ def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
             return node.attr in {*_CALLED, "pi", "e", "tau", "inf"}
         return not node.attr.startswith("_")
     if isinstance(node, ast.Name):  # a namespace alone could get another name
-        return not node.id.startswith("_") and (is_before_dot or node.id not in _NAMESPACES)
+        return not node.id.startswith("__") and (is_before_dot or node.id not in _NAMESPACES)
     return isinstance(node, _ALLOWED)
 
 
