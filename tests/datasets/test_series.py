@@ -341,6 +341,13 @@ def test_stopping_a_series_prints_how_to_resume(
     assert main(["series", *FLAGS, "--resume", "-o", str(tmp_path / "out")]) == 0
 
 
+def test_a_resumed_series_keeps_the_formats_of_an_earlier_run(tmp_path: Path) -> None:
+    assert main(["series", *FLAGS, "--formats", "heightmap", "-o", str(tmp_path / "a")]) == 0
+    assert main(["series", *FLAGS, "--formats", "occupancy", "--resume", "-o", str(tmp_path / "a")]) == 0
+    assert main(["series", *FLAGS, "--formats", "heightmap,occupancy", "-o", str(tmp_path / "b")]) == 0
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
+
+
 def test_force_replaces_a_series_and_spares_the_rest(tmp_path: Path) -> None:
     assert main(["series", *FLAGS, "-o", str(tmp_path)]) == 0
     (tmp_path / "notes.txt").write_text("mine")

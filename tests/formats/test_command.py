@@ -112,7 +112,8 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
     assert "3 maps of" in capsys.readouterr().out
     again = contents(folder)
     assert again["rse_0000/heightmap/rse_0000.png"] != before["rse_0000/heightmap/rse_0000.png"]
-    assert generated(tmp_path / "plain", "--formats", "heightmap pixels=2") == 0
+    # The other format of the earlier run is kept, to the byte.
+    assert generated(tmp_path / "plain", "--formats", "heightmap pixels=2,occupancy") == 0
     assert contents(tmp_path / "plain") == again
 
 
@@ -120,8 +121,37 @@ def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) ->
     rsegen.export_maps([SMALL], tmp_path / "worlds", [Heightmap()])
     assert existing_maps(SMALL, tmp_path / "worlds", partial(are_complete, ())) == []
     assert generated(tmp_path / "worlds", "--resume") == 0
-    assert generated(tmp_path / "plain") == 0
+    assert generated(tmp_path / "plain", "--formats", "heightmap") == 0
     assert contents(tmp_path / "worlds") == contents(tmp_path / "plain")
+
+
+def test_resume_with_another_format_keeps_the_picture_and_the_formats_of_an_earlier_run(tmp_path: Path) -> None:
+    folder = tmp_path / "worlds"
+    assert generated(folder, "--maps", "1", "--preview", "--formats", "heightmap") == 0
+    before = contents(folder)
+    assert generated(folder, "--maps", "2", "--resume", "--formats", "occupancy", "--json") == 0
+    after = contents(folder)
+    added = {"formats.json", ".rsegen.jsonl"}
+    kept = {name: content for name, content in before.items() if Path(name).name not in added}
+    assert kept.items() <= after.items()
+    assert list(json.loads(after["rse_0000/formats.json"])) == ["heightmap", "occupancy"]
+    assert list(json.loads(after["rse_0001/formats.json"])) == ["occupancy"]
+    rsegen.verify(folder)
+    assert generated(tmp_path / "plain", "--maps", "1", "--preview", "--formats", "heightmap,occupancy") == 0
+    plain = contents(tmp_path / "plain")
+    assert {name: after[name] for name in after if name.startswith("rse_0000")} == plain
+
+
+def test_resume_keeps_no_format_of_which_a_file_is_missing(tmp_path: Path) -> None:
+    folder = tmp_path / "worlds"
+    assert generated(folder, "--formats", "heightmap,occupancy") == 0
+    before = contents(folder)
+    (folder / "rse_0001" / "heightmap" / "heightmap.json").unlink()
+    assert generated(folder, "--resume") == 0
+    assert not (folder / "rse_0001" / "heightmap").exists()
+    assert (folder / "rse_0001" / "occupancy").is_dir()
+    assert generated(folder, "--resume", "--formats", "heightmap,occupancy") == 0
+    assert contents(folder) == before
 
 
 @pytest.mark.parametrize("content", [b"", b"[", b"[1]", b'{"heightmap": 1}', b"\xff"])

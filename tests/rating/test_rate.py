@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import shlex
+import signal
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import exp, log
@@ -30,6 +32,7 @@ from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import straight
 from tests.rating.conftest import Rated
 from tests.support.journals import edited
+from tests.support.runs import contents, ended, started, until_it_has
 
 real = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
 
@@ -190,6 +193,29 @@ def test_a_stopped_rating_goes_on_as_if_it_had_not_been_stopped(tmp_path: Path, 
     assert rated(precision=12, output=tmp_path / "part").curves == whole.curves
     for name in ("rating.json", "trials.csv", "recipe.json", ".rsegen.jsonl"):
         assert (tmp_path / "part" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_rating_that_is_killed_again_and_again_ends_with_the_bytes_of_one_that_is_not(tmp_path: Path) -> None:
+    command: list[str | Path] = ["rate", "crawler", "--by", "prediction", "--trials", "120", "--seed", "3"]
+    command += ["--workers", "2", "--progress", "none", "-o"]
+    assert main([*map(str, command), str(tmp_path / "whole")]) == 0
+    journal = tmp_path / "part" / ".rsegen.jsonl"
+
+    def trials() -> int:
+        return journal.read_bytes().count(b'{"result"') if journal.exists() else 0
+
+    for stop in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL, signal.SIGINT):
+        before = trials()
+        process = started(*command, tmp_path / "part")
+        until_it_has(process, lambda before=before: trials() >= before + 5)  # type: ignore[misc]  # of this turn
+        process.send_signal(stop)
+        ended(process)
+        assert process.returncode == (-9 if stop is signal.SIGKILL else 128 + stop)
+        assert not (tmp_path / "part" / "rating.json").exists()
+    assert ended(started(*command, tmp_path / "part")) == (0, "")
+    assert contents(tmp_path / "part") == contents(tmp_path / "whole")
 
 
 def test_a_folder_goes_on_to_more_trials(tmp_path: Path) -> None:

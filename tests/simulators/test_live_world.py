@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
 import secrets
+import socket
+import sys
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import astuple
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -145,6 +149,21 @@ def test_a_missing_server_is_reported() -> None:
         SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, Patience(sign=0.5)),
     ):
         pass
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="users of Windows have no numbers")
+def test_the_default_partition_has_the_name_of_the_user_as_the_system_knows_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in NetUtils.cc of gz-transport, whatever USER says; in a container the number may be no user's."""
+    monkeypatch.setenv("USER", "somebody-else")
+    monkeypatch.setenv("LOGNAME", "somebody-else")
+    local = {"GZ_IP": "127.0.0.1", "USER": "somebody-else"}
+    users = {os.getuid(): SimpleNamespace(pw_name="ada")}
+    monkeypatch.setattr("pwd.getpwuid", users.__getitem__)
+    with transport_client(local, Patience()) as client:
+        assert client.partition == f"{socket.gethostname()}:ada"
+    users.clear()
+    with transport_client(local, Patience()) as client:
+        assert client.partition == f"{socket.gethostname()}:{os.getuid()}"
 
 
 def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -65,6 +66,51 @@ def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
             ParameterError, match=r"^map: there is no map .*; use an index or name, course_0000\.\.course_0002$"
         ):
             rsegen.open(target, map=3, headless=True)
+
+
+@pytest.fixture
+def maps_of_a_lost_plugin(tmp_path: Path) -> Path:
+    """A folder of maps that somebody made with a plug-in which is not installed here."""
+    made = rsegen.generate(COURSE, tmp_path / "maps")
+    for generated in made.maps:
+        file = generated.folder / "recipe.json"
+        content = json.loads(file.read_text("utf-8"))
+        content |= {"plugins": {"ramp": "rsegen-ramps 1.2"}, "obstacles": [{"kind": "ramp", "levels": 5}]}
+        file.write_text(json.dumps(content), "utf-8")
+    return made.folder
+
+
+@pytest.mark.parametrize(
+    ("target", "which", "opened"),
+    [
+        ("", None, "course_0000"),
+        ("", "course_0001", "course_0001"),
+        ("", 2, "course_0002"),
+        ("course_0001", None, "course_0001"),
+        ("course_0001/course_0001.world", None, "course_0001"),
+    ],
+)
+def test_a_world_is_opened_without_the_plugin_that_made_it(
+    maps_of_a_lost_plugin: Path,
+    programs: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    target: str,
+    which: str | int | None,
+    opened: str,
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("STAYS", "600")
+    monkeypatch.setattr(open_world, "_running_world", lambda _, launch: Path(launch.command[-1]).stem)
+    result = rsegen.open(maps_of_a_lost_plugin / target, map=which, headless=True, seconds=0)
+    assert result.world.file == maps_of_a_lost_plugin / opened / f"{opened}.world"
+
+
+def test_what_needs_the_heights_of_a_world_names_the_plugin_that_made_it(maps_of_a_lost_plugin: Path) -> None:
+    for target in ("", "course_0001", "course_0001/course_0001.world"):
+        with pytest.raises(UserError, match=r"recipe.json: the obstacle kind 'ramp' of rsegen-ramps 1.2 is not"):
+            rsegen.open(maps_of_a_lost_plugin / target, simulator="mujoco", headless=True, seconds=0)
+    with pytest.raises(UserError, match="ramp"):
+        rsegen.open(maps_of_a_lost_plugin, map=7, simulator="classic", headless=True, seconds=0)
 
 
 def test_error_lines_are_passed_on_and_a_failure_of_a_server(

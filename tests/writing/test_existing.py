@@ -173,6 +173,16 @@ def test_a_map_without_a_requested_sidecar_is_made_again(tmp_path: Path, flag: s
     assert stamps(tmp_path / "a")["rse_0000"] == before["rse_0000"]
 
 
+@pytest.mark.slow
+def test_what_earlier_runs_added_to_a_map_is_kept(tmp_path: Path) -> None:
+    assert generated(tmp_path / "a", "--sheet") == 0
+    assert generated(tmp_path / "a", "--preview", "--resume") == 0
+    (tmp_path / "a" / "rse_0000" / "rse_0000.world").unlink()
+    assert generated(tmp_path / "a", "--resume") == 0
+    assert generated(tmp_path / "b", "--preview", "--sheet") == 0
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
+
+
 def test_without_preview_a_map_with_a_picture_is_complete(tmp_path: Path) -> None:
     assert generated(tmp_path, "--preview") == 0
     before = snapshot(tmp_path)

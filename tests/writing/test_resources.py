@@ -45,6 +45,55 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
         check_needs([Recipe(seed=1)], 106, tmp_path)
 
 
+@pytest.fixture
+def groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Control groups of a machine that has as much memory as anybody needs; this process is in /docker/abc."""
+    monkeypatch.setattr(resources, "_free_on_machine", lambda: 10**15)
+    monkeypatch.setattr(resources, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(resources, "_OWN_GROUPS", tmp_path / "own")
+    (tmp_path / "own").write_text("3:cpuset:/docker\n4:memory:/docker/abc\n0::/docker/abc\n")
+    return tmp_path / "groups"
+
+
+V2 = {"memory.max": "900000000\n", "memory.current": "800000000\n", "memory.stat": "anon 5\ninactive_file 20000000\n"}
+V1 = {
+    "memory.limit_in_bytes": "900000000\n",
+    "memory.usage_in_bytes": "800000000\n",
+    "memory.stat": "inactive_file 7\ntotal_inactive_file 20000000\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("place", "files"),
+    [
+        ("", V2),
+        ("docker", V2),
+        ("docker/abc", V2),
+        ("memory", V1),
+        ("memory/docker/abc", V1),
+    ],
+)
+def test_a_container_has_the_memory_that_its_control_groups_leave(
+    groups: Path, place: str, files: dict[str, str]
+) -> None:
+    unlimited = groups / "docker" / "abc"
+    unlimited.mkdir(parents=True)
+    (unlimited / "memory.max").write_text("max\n")
+    (groups / place).mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        (groups / place / name).write_text(content)
+    with pytest.raises(TooLarge, match=r"cells needs about .* of memory, 120\.0 MB are free"):
+        resources.refuse_too_large(Recipe(seed=1, chunk_size=1000, chunks=(3, 3)))
+
+
+@pytest.mark.parametrize("content", ["max\n", "", "much\n"])
+def test_a_control_group_without_a_limit_leaves_what_the_machine_has(groups: Path, content: str) -> None:
+    groups.mkdir()
+    for name, other in V2.items():
+        (groups / name).write_text(content if name == "memory.max" else other)
+    resources.refuse_too_large(Recipe(seed=1, chunk_size=1000, chunks=(3, 3)))
+
+
 @pytest.mark.slow
 def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
     rows = (Random(levels=5),) * 20_001

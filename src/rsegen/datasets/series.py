@@ -110,11 +110,12 @@ def plan_series(
         spans += batch
         report_share("fields as designed", len(spans) / len(plan.fields))
     line = mean(plan, spans)
-    existing = _existing(plan, line, folder, sidecars) if on_existing is OnExisting.KEEP else []
+    keeps = on_existing is OnExisting.KEEP
+    existing = _existing(plan, line, folder, sidecars) if keeps else []
     searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)
     return RunPlan(
         folder=folder,
-        product=partial(_map, plan, folder, sidecars, line, frozenset(existing)),
+        product=partial(_map, plan, folder, sidecars, line, frozenset(existing) if keeps else None),
         # A world, 3 ms and 1 us per cell for its row, and a search for its share: estimates, as in `seconds_per_world`.
         seconds=seconds_per_world(plan.recipe, sidecars) + 3e-3 + prod(plan.recipe.grid.shape) * 1e-6 + searched,
         to_make=numbers,
@@ -154,15 +155,23 @@ def _spans(plan: SeriesPlan, numbers: Iterable[int]) -> tuple[Span, ...]:
 
 
 def _map(
-    plan: SeriesPlan, folder: Path, sidecars: Sequence[Sidecar], line: Span, existing: frozenset[int], number: int
+    plan: SeriesPlan,
+    folder: Path,
+    sidecars: Sequence[Sidecar],
+    line: Span,
+    existing: frozenset[int] | None,
+    number: int,
 ) -> Output[RowAndMap]:
-    """Return the row and the files of a map on a line by its number; an existing one is measured only, for its row."""
+    """Return the row and the files of a map on a line by its number; an existing one is measured only, for its row.
+
+    existing: the numbers of maps that are complete and kept, as are files of incomplete ones; None if none are
+    """
     target = map_target(plan, number, line)
     scene = compose(target.recipe, target.recipe.first_map)
     row = series_row(plan, number, scene, target)
-    if number in existing:
+    if number in (existing or ()):
         return Output(made=(row, None), folder=plan.map_name(number))
-    world = world_output(scene, folder, sidecars)
+    world = world_output(scene, folder, sidecars, keeps_files=existing is not None)
     return Output(made=(row, world.made), files=world.files, folder=world.folder)
 
 

@@ -51,7 +51,7 @@ LEAVES = "leaves the map,"
 _HELD, _WITHIN, _TURNED = 3.0, 0.01, radians(2.5)
 """Seconds in which a robot comes on by less than these metres, and turns by less than these radians, and is held for
 good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either. Those that
-are held come on by a millimetre; small wheels on edges creep on by one or two centimetres, and half of them get free."""
+are held come on by a millimetre; small wheels creep over edges by a centimetre or two, and half of them get free."""
 
 _SECONDS = 0.5
 """CPU seconds that a drive takes, about."""

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, ClassVar
 
 from rsegen.errors import ParameterError
@@ -68,12 +69,23 @@ class FormatFiles(Sidecar):
 
         return added(scene, self.formats)
 
+    def lists(self, home: str) -> Bundle:
+        """Return formats.json, which lists the formats that the folder of a map has, and these."""
+        from rsegen.formats.base import recorded_options
+        from rsegen.formats.encoded import as_json
+
+        listed = {**(listed_formats(home) or {}), **recorded_options(self.formats)}
+        return {PurePosixPath(FORMATS_FILE): [as_json(listed)]}
+
     def are_in(self, home: str) -> bool:
-        """Return whether a map's folder lists the formats, with the same options."""
+        """Return whether a map's folder has the formats, and lists them with the same options."""
         from rsegen.formats.base import recorded_options
 
         listed = listed_formats(home) or {}
-        return all(listed.get(name) == wanted for name, wanted in recorded_options(self.formats).items())
+        return all(
+            listed.get(name) == wanted and os.path.isdir(os.path.join(home, name))
+            for name, wanted in recorded_options(self.formats).items()
+        )
 
     def seconds(self, cells: int) -> float:
         """Return about how long they take for a map with this many cells."""

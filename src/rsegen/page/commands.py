@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import getpass
 import json
 import os
 import shlex
@@ -29,6 +28,7 @@ from rsegen.cli.report import Report, checked_flags
 from rsegen.errors import FileError
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import FilePath, Flag, Integer, Text
+from rsegen.writing.user_state import user_name
 
 if TYPE_CHECKING:
     from rsegen.page.service import Service
@@ -114,7 +114,7 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     # Over SSH the user sits at another machine, where a browser opened here would not be seen.
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port
-        tunnel = f"ssh -L {port}:localhost:{port} {getpass.getuser()}@{socket.gethostname()}"
+        tunnel = f"ssh -L {port}:localhost:{port} {user_name()}@{socket.gethostname()}"
         print(f"From your own machine: {tunnel}, then open the address there.", flush=True)
     elif not arguments.no_browser and has_screen():
         import webbrowser

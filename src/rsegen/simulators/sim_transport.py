@@ -40,6 +40,7 @@ from rsegen.errors import NoMessage, ParameterError, SimulatorFailed, shown, sys
 from rsegen.simulators.inbox import Inbox
 from rsegen.simulators.patience import Patience, Wait, share
 from rsegen.simulators.wire import SIM, Message
+from rsegen.writing.user_state import user_name
 
 
 class Sockets:
@@ -213,13 +214,11 @@ class TransportClient(Inbox):
     """A client in a partition, by default that of the computer and the user, for topics and services."""
 
     def __init__(self, environment: Mapping[str, str], patience: Patience) -> None:
-        import getpass
-
         # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
         super().__init__("Gazebo Sim", patience)
         self.partition = _variable(environment, "PARTITION")
         if not self.partition:
-            self.partition = f"{socket.gethostname()}:{environment.get('USER') or getpass.getuser()}"
+            self.partition = f"{socket.gethostname()}:{user_name()}"  # as NetUtils.cc of gz-transport, not by USER
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
         self._publications: dict[str, Message] = {}
         self._subscribed: set[str] = set()

@@ -182,7 +182,8 @@ def _processes(workers: int) -> Iterator[tuple[_Submit, int, Callable[[], None]]
     from multiprocessing.connection import wait
 
     context = multiprocessing.get_context("spawn")
-    with stop.held(), _no_signals_for_new_processes():  # one process watches over shared memory
+    with stop.held(), _no_signals_for_new_processes():
+        _start_tracker()
         receiver, sender = context.Pipe(duplex=False)
         pool = ProcessPoolExecutor(workers, context, _start_worker, (receiver,))
 
@@ -207,6 +208,29 @@ def _processes(workers: int) -> Iterator[tuple[_Submit, int, Callable[[], None]]
         sender.close()
         receiver.close()
 
+
+def _start_tracker() -> None:
+    """Start Python's process that frees the semaphores of this one and its workers, however they end.
+
+    If this process is killed, it would print on the terminal how many there are, which is of use to nobody.
+    """
+    if sys.platform == "win32":
+        return
+    from multiprocessing import resource_tracker
+
+    before = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = f"{before},{_QUIET}" if before else _QUIET
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        if before is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = before
+
+
+_QUIET = "ignore:resource_tracker:UserWarning"
+"""The filter of the warning of multiprocessing/resource_tracker.py, as `python -W` takes it."""
 
 _STOP_SIGNALS = frozenset(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 

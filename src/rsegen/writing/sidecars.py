@@ -86,6 +86,10 @@ class Sidecar(ABC):
     def files(self, scene: Scene) -> Bundle:
         """Return their content, by path in the map's folder; it is made when it is read."""
 
+    def lists(self, home: str) -> Bundle:
+        """Return those of the files that list what an earlier run left in the folder of a map, which it keeps, too."""
+        return {}
+
     @abstractmethod
     def are_in(self, home: str) -> bool:
         """Return whether the folder of a map has them."""

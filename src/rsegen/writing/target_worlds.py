@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, UserError, shown
 from rsegen.gazebo import export
 from rsegen.input_files import unreadable
 from rsegen.recipe.recipe import Recipe, index_of
@@ -88,12 +88,13 @@ def one_of(
 class World:
     """A world, on disk already or to be made.
 
-    file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown; made_of:
-    the scene that a caller gave.
+    file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown; unread:
+    why the recipe next to the file is unknown, such as a plug-in that it needs; made_of: the scene that a caller gave.
     """
 
     file: Path | None = None
     recipe: Recipe | None = None
+    unread: UserError | None = None
     made_of: Scene | None = None
 
     @property
@@ -102,7 +103,9 @@ class World:
         return self.recipe.simulator if self.recipe else "both"
 
     def scene(self) -> Scene:
-        """Return the scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
+        """Return the scene of its map; a UserError if the recipe is unknown, TooLarge if memory is too small."""
+        if self.unread:
+            raise self.unread
         if not self.recipe:
             raise FileError(f"{self.file}: no recipe.json next to it, so the heights of its blocks are unknown")
         return self.made_of or scene_of(self.recipe)
@@ -151,14 +154,41 @@ def chosen(target: Target, which: int | str | None) -> tuple[Recipe, Path | None
 
 
 def world_of(target: Target, which: int | str | None = None) -> World:
-    """Return the world of a target; `which`: the map's index or name, by default the first."""
+    """Return the world of a target; `which`: the map's index or name, by default the first.
+
+    A world on disk needs no recipe to be opened, so it may have one that cannot be read.
+    """
     path = None if isinstance(target, Scene | Recipe) else Path(path_of(target))
     if path and not path.is_dir() and path.suffix in (".world", ".sdf"):
-        recipe_file = path.with_name("recipe.json")
-        return World(file=_existing(path), recipe=load(recipe_file) if recipe_file.is_file() else None)
-    recipe, folder, made_of = chosen(target, which)
+        return _world_with_recipe(_existing(path))
+    try:
+        recipe, folder, made_of = chosen(target, which)
+    except UserError:
+        if path and path.is_dir() and (file := _world_in(path, which)):
+            return _world_with_recipe(file)
+        raise
     file = _existing(folder / f"{recipe.map_name(recipe.first_map)}.world") if folder else None
     return World(file=file, recipe=recipe, made_of=made_of)
+
+
+def _world_with_recipe(file: Path) -> World:
+    """Return the world in a file, with the recipe next to it, if there is one, or why that cannot be read."""
+    recipe_file = file.with_name("recipe.json")
+    try:
+        return World(file=file, recipe=load(recipe_file) if recipe_file.is_file() else None)
+    except UserError as error:
+        return World(file=file, unread=error)
+
+
+def _world_in(folder: Path, which: int | str | None) -> Path | None:
+    """Return the world file of a map's folder, or of the given map, or the first, of a folder of maps, by its name."""
+    homes = [folder] if (folder / "recipe.json").is_file() else [file.parent for file in recipe_files_in(folder)]
+    if which is not None:
+        name = rf".*_0*{which}" if str(which).isdecimal() else re.escape(str(which))
+        homes = [home for home in homes if re.fullmatch(name, home.name)]
+        homes = homes if len(homes) == 1 else []
+    files = [home / f"{home.resolve().name}.world" for home in homes[:1]]
+    return next((file for file in files if file.is_file()), None)
 
 
 def _existing(file: Path) -> Path:

@@ -8,8 +8,10 @@ killed stays: whether its process still runs is asked of the system, by its id a
 
 from __future__ import annotations
 
+import getpass
 import json
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -22,6 +24,18 @@ def home_folder() -> Path:
         return Path.home()
     except RuntimeError:
         return Path(os.devnull)
+
+
+def user_name() -> str:
+    """Return the name that the system has of the user; the number of one whom it does not know, as in containers."""
+    if sys.platform == "win32":
+        return getpass.getuser()
+    import pwd
+
+    try:
+        return pwd.getpwuid(os.getuid()).pw_name
+    except KeyError:
+        return str(os.getuid())
 
 
 def state_folder() -> Path:

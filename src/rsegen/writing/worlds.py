@@ -10,18 +10,18 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from rsegen.errors import refuse_other
-from rsegen.gazebo import export
+from rsegen.gazebo import Bundle, export
 from rsegen.gazebo.map_summary import warnings
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution
-from rsegen.writing.journal import read_journal
+from rsegen.writing.journal import compare, read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps
 from rsegen.writing.resources import Step, check_needs
 from rsegen.writing.sidecars import Sidecar, are_complete
@@ -128,7 +128,7 @@ def plan_worlds(
     known = frozenset(existing)
     return RunPlan(
         folder=folder,
-        product=partial(_world, recipe, folder, sidecars),
+        product=partial(_world, recipe, folder, sidecars, keeps_files=keeps),
         seconds=seconds_per_world(recipe, sidecars),
         to_make=[index for index in recipe.indices if index not in known] if known else recipe.indices,
         existing=existing,
@@ -160,12 +160,18 @@ def refuse_names(folder: Path, maps: Iterable[str], files: Iterable[str], on_exi
 
 
 def world_output(
-    scene: Scene, folder: Path, sidecars: Sequence[Sidecar], *, keeps_scene: bool = False
+    scene: Scene, folder: Path, sidecars: Sequence[Sidecar], *, keeps_files: bool = False, keeps_scene: bool = False
 ) -> Output[GeneratedMap]:
-    """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
+    """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`.
+
+    keeps_files: also those of an incomplete map in `folder` that are made anew by none of them, such as a picture that
+    an earlier run added
+    """
     bundle = dict(export(scene))
     for sidecar in sidecars:
         bundle |= sidecar.files(scene)
+    if keeps_files:
+        bundle |= _earlier_files(folder / scene.name, bundle, sidecars)
     made = GeneratedMap(
         name=scene.name,
         index=scene.index,
@@ -180,6 +186,23 @@ def world_output(
     return Output(made=made, files=bundle, folder=scene.name)
 
 
+def _earlier_files(home: Path, made: Collection[PurePosixPath], sidecars: Iterable[Sidecar]) -> Bundle:
+    """Return the files that an incomplete map in the folder `home` keeps, and those of sidecars that list them too.
+
+    A folder in it, such as that of a format, is kept if none of its files is missing. The plan has refused changed
+    files, and the swap refuses those that are changed meanwhile.
+    """
+    if (journal := read_journal(home)) is None:
+        return {}
+    gone = {PurePosixPath(name).parts[0] for name in compare(home, journal).missing}
+    gone |= {path.parts[0] for path in made}
+    kept = [path for path in map(PurePosixPath, journal.files) if path.parts[0] not in gone]
+    files: dict[PurePosixPath, Iterable[bytes]] = {path: map(Path.read_bytes, [home / path]) for path in kept}
+    for sidecar in sidecars:
+        files |= sidecar.lists(str(home))
+    return files
+
+
 def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
     """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
@@ -187,6 +210,9 @@ def seconds_per_world(recipe: Recipe, sidecars: Sequence[Sidecar]) -> float:
     return 2e-3 + n_x * n_y * 4e-6 + sum(sidecar.seconds(n_x * n_y) for sidecar in sidecars)
 
 
-def _world(recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int) -> Output[GeneratedMap]:
+def _world(
+    recipe: Recipe, folder: Path, sidecars: Sequence[Sidecar], index: int, *, keeps_files: bool
+) -> Output[GeneratedMap]:
     """Return the files of the world of map `index`, and its scene if it is the only one."""
-    return world_output(compose(recipe, index), folder, sidecars, keeps_scene=recipe.maps == 1)
+    scene = compose(recipe, index)
+    return world_output(scene, folder, sidecars, keeps_files=keeps_files, keeps_scene=recipe.maps == 1)
