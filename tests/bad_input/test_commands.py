@@ -87,7 +87,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "an index of many digits": (["info", "two.yaml", "--map", "9" * 9000], ["--map", "'999", "rse_0000..rse_0001"]),
     "an output that is a file": (["generate", "-o", "file"], ["file: is a file; use a folder"]),
     "an output in a file": (["generate", "-o", "file/a/b"], ["file/a/b: cannot be written: Not a directory"]),
-    "an output of too long a name": (["generate", "-o", "n" * 300], ["nnn: File name too long"]),
+    "an output of too long a name": (["generate", "-o", "n" * 300], ["nnn: ", "File name too long"]),
     "an output on a device": (["generate", "-o", "/dev/null"], ["/dev/null: is a file"]),
     "an output where nothing can be": (["generate", "-o", "/proc/a/b"], ["/proc/a/b: cannot be written"]),
     "a picture without an ending": (["preview", "two.yaml", "-o", "picture"], ["picture: ", ".png, .svg, .pdf"]),
