@@ -45,19 +45,22 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     if not frames.shapes.whole:
         return {}
     above = {frames.child(name): name for name in frames.joints}
-    universal = {name for name, joint in frames.joints.items() if joint.get("type") == "universal"}
-    across = [name for name, joint in frames.joints.items() if is_endless(joint) and is_along_y(name, frames)]
+    across = {name for name, joint in frames.joints.items() if is_endless(joint) and is_along_y(name, frames)}
 
     def is_free(joint: str) -> bool:
         return joint not in ros.placed and is_endless(frames.joints[joint])
 
-    stiff = {name for name in frames.joints if _swivels(name, frames) and not is_free(name)}
-    radii = large_wheels((*across, *universal, *stiff), frames)
+    steer_alone = {
+        name
+        for name, joint in frames.joints.items()
+        if joint.get("type") == "universal" or (_swivels(name, frames) and not is_free(name))
+    }
+    radii = large_wheels((name for name in frames.joints if name in across | steer_alone), frames)
 
     def steering(joint: str) -> str:
         """Return the joint that steers a wheel; an empty text for none."""
         link = frames.parent(joint)
-        if joint in universal or joint in stiff:
+        if joint in steer_alone:
             return joint
         for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
             if link not in above:
