@@ -18,6 +18,7 @@ import rsegen
 from rsegen import KINDS
 from rsegen.cli.edge import main
 from rsegen.errors import RsegenError
+from rsegen.params.capabilities import CORE
 from rsegen.recipe.codec import schema
 from rsegen.recipe.examples import EXAMPLES
 
@@ -36,6 +37,23 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
     graph = grimp.build_graph("rsegen", exclude_type_checking_imports=True, cache_dir=None)
     imports = {module: graph.find_modules_directly_imported_by(module) for module in graph.modules}
     assert set(TopologicalSorter(imports).static_order()) == graph.modules  # or a CycleError that names the circle
+
+
+def test_folders_of_the_core_name_none_beyond_them_for_type_checkers_either() -> None:
+    graph = grimp.build_graph("rsegen", cache_dir=None)
+    folders = {path.name for path in HOUSE.iterdir() if path.is_dir()}
+    named = {
+        (folder_of(module), folder_of(imported))
+        for module in graph.modules
+        for imported in graph.find_modules_directly_imported_by(module)
+    }
+    beyond = {folder: folders - {*CORE[: CORE.index(folder) + 1]} for folder in CORE}
+    assert {(folder, imported) for folder, imported in named if imported in beyond.get(folder, ())} == set()
+
+
+def folder_of(module: str) -> str:
+    """Return the folder of src/rsegen in which a module is, or its own name."""
+    return ".".join(module.split(".")[1:2])
 
 
 def test_public_names_are_all_there() -> None:

@@ -15,14 +15,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from itertools import takewhile
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from rsegen import __version__
 from rsegen.errors import did_you_mean, line_of, shown
 from rsegen.params.capabilities import command_functions, commands, unknown_command
 
-Rows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
-"""A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
+if TYPE_CHECKING:
+    from rsegen.params.command import HelpRows
 
 
 def parser() -> Parser:
@@ -149,7 +149,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         self.groups: list[Group] = []
         self._own: list[argparse.Action] = []
-        self._rows: list[Rows] = []
+        self._rows: list[HelpRows] = []
         self._more: Callable[[], str] = str
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         # As Python has it from 3.14 on: what begins with a negative number is no flag, such as -1,0 and -1e-3.

@@ -16,9 +16,9 @@ from rsegen.params.sorts import Json
 from rsegen.writing.sidecars import Sidecar
 
 if TYPE_CHECKING:
-    from rsegen.cli.parser import Rows
     from rsegen.formats.base import Format
     from rsegen.gazebo import Bundle
+    from rsegen.params.command import HelpRows
     from rsegen.recipe.recipe import Recipe
     from rsegen.scene.scene import Scene
     from rsegen.writing.resources import InMemory
@@ -34,7 +34,7 @@ class FormatFiles(Sidecar):
     name: ClassVar[str] = "formats"
     parameter: ClassVar[object] = Formats
     default: ClassVar[object] = ()
-    rows: ClassVar[Rows | None] = ROWS
+    rows: ClassVar[HelpRows | None] = ROWS
 
     formats: tuple[Format, ...]
 

@@ -30,6 +30,9 @@ from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints,
 P = ParamSpec("P")
 R = TypeVar("R")
 
+HelpRows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
+"""A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
+
 
 @dataclass(frozen=True, slots=True)
 class Shell:

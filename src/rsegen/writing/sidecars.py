@@ -16,13 +16,12 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from rsegen.params.capabilities import hooks
-from rsegen.params.command import declare
+from rsegen.params.command import HelpRows, declare
 from rsegen.params.registry import is_own
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.cli.parser import Rows
     from rsegen.gazebo import Bundle
     from rsegen.scene.scene import Scene
     from rsegen.writing.resources import InMemory
@@ -61,7 +60,7 @@ class Sidecar(ABC):
     default: ClassVar[object] = False
     """The value of the parameter with which there are none."""
 
-    rows: ClassVar[Rows | None] = None
+    rows: ClassVar[HelpRows | None] = None
     """Rows of names that the help of a command that writes worlds has for it, and their title."""
 
     @classmethod
