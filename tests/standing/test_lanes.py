@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -45,18 +46,21 @@ def end_of(lanes: Lanes) -> End:
     return End(int(lanes.end[0]))
 
 
+@pytest.mark.parametrize("mu", [0.0, 1.0])
 @pytest.mark.parametrize(("rise", "end"), [(0.004, End.NONE), (0.007, End.HELD)])
-def test_a_caster_without_friction_is_held_at_a_rise_above_its_radius(rise: float, end: End) -> None:
+def test_a_caster_is_held_at_a_rise_above_its_radius(rise: float, end: End, mu: float) -> None:
     """A burger's ball has a radius of 5 mm, and its hull is 10 mm above the ground."""
     field = field_of(ridge(), rise)
-    lanes = straight(field, BURGER, 0, np.zeros(1))
+    (caster,) = (number for number, part in enumerate(BURGER.parts) if part.name == "base::caster")
+    parts = [part._replace(mu=mu, mu2=mu) if number == caster else part for number, part in enumerate(BURGER.parts)]
+    body = replace(BURGER, parts=tuple(parts))
+    lanes = straight(field, body, 0, np.zeros(1))
     assert end_of(lanes) is end
-    assert end_of(straight(field, BURGER, 0, np.zeros(1), reaction=False)) is End.NONE, "Gazebo Classic lifts it"
+    assert end_of(straight(field, body, 0, np.zeros(1), reaction=False)) is End.NONE, "Gazebo Classic lifts it"
     if end:
-        (caster,) = (number for number, part in enumerate(BURGER.parts) if part.name == "base::caster")
-        front = float(BURGER.points[BURGER.part == caster, 0].max())
-        origin = float(lanes.last[0]) / (lanes.drops.shape[1] - 1) * (2 * 0.6 + BURGER.length) - entry_distance(
-            field, BURGER, 0
+        front = float(body.points[body.part == caster, 0].max())
+        origin = float(lanes.last[0]) / (lanes.drops.shape[1] - 1) * (2 * 0.6 + body.length) - entry_distance(
+            field, body, 0
         )
         assert origin + front == pytest.approx(-0.2, abs=0.006)
 
