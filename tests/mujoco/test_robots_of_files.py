@@ -243,6 +243,16 @@ def test_mecanum_wheels_are_driven_as_ordinary_ones(tmp_path: Path) -> None:
     assert "cart: its mecanum wheels are driven as ordinary ones" in next(world.notes())
 
 
+@pytest.mark.parametrize("name", ["slip1", "slip2"])
+def test_wheels_that_slip_under_any_force_in_gazebo_are_told(tmp_path: Path, name: str) -> None:
+    def slipping(slip: float) -> tuple[str, ...]:
+        return cart(tmp_path, pair(more=f"<{name}>{slip}</{name}>")).remarks
+
+    (remark,) = slipping(0.035)
+    assert remark.startswith(f"what it drives on has <{name}> 0.035, so in Gazebo it slips")
+    assert slipping(0.0) == ()
+
+
 def test_steered_wheels_are_refused(tmp_path: Path) -> None:
     fork = """<link name="{side}_fork"><pose>0.1 {y} 0.05 0 0 0</pose>{inertial}</link>
       <joint name="{side}_steering" type="revolute"><parent>base</parent><child>{side}_fork</child>

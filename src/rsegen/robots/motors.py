@@ -41,9 +41,13 @@ _SLIPPERY = 0.01
 
 def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
     """Return the friction coefficients of the shapes that a robot drives on."""
+    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in _driving_shapes(drive, frames)]
+
+
+def _driving_shapes(drive: Drive, frames: ModelFrames) -> list[Element]:
+    """Return the collision shapes that a robot drives on."""
     links = drive.links(frames.child)
-    shapes = [collision for link, collision, _ in frames.collisions() if link in links]
-    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes]
+    return [collision for link, collision, _ in frames.collisions() if link in links]
 
 
 def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
@@ -55,6 +59,22 @@ def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
         f"the friction of what it drives on is {most:g} (<mu>, <mu1> in URDF), so it stands still: its maker slides it"
         " by a plug-in, which is not used, as it would push it through blocks; write 1 there"
     )
+
+
+def yielding_wheels(drive: Drive, frames: ModelFrames) -> str:
+    """Return a sentence if what a robot drives on slips under any force in Gazebo; an empty one if not.
+
+    The speed of that slip is <slip1> or <slip2>, in m/s per N, times the force along <fdir1> or across it.
+    """
+    shapes = _driving_shapes(drive, frames)
+    for name in ("slip1", "slip2"):
+        slips = [positive_number(shape, frames.where, f"surface/friction/ode/{name}") for shape in shapes]
+        if most := max(filter(None, slips), default=0.0):
+            return (
+                f"what it drives on has <{name}> {most:g}, so in Gazebo it slips under any force; MuJoCo leaves that"
+                " out, and may predict that it crosses where Gazebo holds it"
+            )
+    return ""
 
 
 _STEP = 0.001

@@ -34,7 +34,7 @@ from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import mimics
 from rsegen.robots.mjcf import of_mujoco
-from rsegen.robots.motors import light_wheels, slippery_wheels
+from rsegen.robots.motors import light_wheels, slippery_wheels, yielding_wheels
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
@@ -341,7 +341,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
-        remarks += filter(None, [slippery_wheels(drive.drive, frames)])
+        remarks += filter(None, [slippery_wheels(drive.drive, frames), yielding_wheels(drive.drive, frames)])
     problem = plugin_problem(model, frames, drive)
     remarks += [problem] if drive and problem else []
     steering = {} if drive and not wheels else steered_wheels(frames, ros)
