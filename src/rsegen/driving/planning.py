@@ -38,6 +38,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
+from rsegen.standing.body import Body
 from rsegen.standing.lanes import straight
 from rsegen.standing.lattice import BEST, Lattice
 from rsegen.standing.planner import Planner
@@ -93,16 +94,20 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
 
     best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
-    tried = _tried_ways(predictor, scene, robot, best) or _tried_lanes(predictor, scene, robot)
+    bodies = [robot.body]
+    if predictor.motors != MOTORS[0]:  # there casters are lifted over some edges that hold them: the second choice
+        bodies.append(replace(robot.body, reaction=False))
+    planned = (_tried_ways(predictor, scene, robot, body, best) for body in bodies)
+    tried = next(filter(None, planned), None) or _tried_lanes(predictor, scene, robot)
     surest = max(tried, key=lambda one: one.probability)
     if surest.found is None:
         raise surest.error or SimulatorFailed("no way could be driven")
     return predictor.predict(scene, surest.run, surest.found)
 
 
-def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> list[_Tried]:
+def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, body: Body, best: str) -> list[_Tried]:
     """Return the ways that were tried, each planned by what the drives before have shown."""
-    planner = Planner(Lattice(scene.field, robot.body, best, partial(report_share, "a way across")))
+    planner = Planner(Lattice(scene.field, body, best, partial(report_share, "a way across")))
     tried = dict[bytes, _Tried]()
     for _ in range(_PLANS):
         way = planner.way(0, checked=False)  # drives check it

@@ -185,6 +185,7 @@ class Body:
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
     surface, part_of_surface: samples from all sides, (m, 3) and (m,), part by part, to draw it
+    reaction: whether its motors act back on it; else round parts are not held at the sides of blocks
     """
 
     points: Array
@@ -198,6 +199,7 @@ class Body:
     speed: float
     surface: Array
     part_of_surface: Ints
+    reaction: bool = True
 
     def __post_init__(self) -> None:
         own = (self.points, self.normals, self.groups, self.part, self.rim, self.centre)

@@ -28,7 +28,7 @@ answers follow (`follows`): where a pose is unlike the one before, the robot is 
     that follows     a a a a a b b b b b b        the third b is where a is stable no more
 
 The motors of wheels act back on the chassis, as real ones, MuJoCo's and Gazebo Sim's do. Gazebo Classic's drives do
-not: the robot pitches forward, and its caster is lifted over edges that would hold it (`reaction`).
+not: the robot pitches forward, and its caster is lifted over edges that would hold it (`Body.reaction`).
 
 Cost: poses of all lanes at once, section by section, and none behind the section in which a lane ends. What breaks it:
 a robot that is turned by what it climbs, as by a block under one wheel, leaves its lane; the wheels' own dynamics.
@@ -174,17 +174,15 @@ def drive_lanes(  # noqa: PLR0913  # a place is three
     yaw: Array,
     length: float | Array,
     *,
-    reaction: bool = True,
     ends: tuple[Settled, Settled] | None = None,
     follows: bool = False,
 ) -> Lanes:
     """Return the lanes of a length [m], or of one each (L,), that begin at x, y [m] with a heading [rad], (L,).
 
-    reaction: whether motors act back on the chassis; else round parts are not held at the sides of blocks
     ends: the robot at rest at the first and at the last pose of each lane, where that is known
     follows: whether each pose follows from the one before, and not from a robot that is put down level
     """
-    driving = _Driving(ground, body, (x, y, yaw), np.broadcast_to(length, x.shape), reaction=reaction, follows=follows)
+    driving = _Driving(ground, body, (x, y, yaw), np.broadcast_to(length, x.shape), follows=follows)
     if ends is not None:
         driving.know(*ends)
     return driving.driven()
@@ -206,10 +204,9 @@ class _Driving:
         start: tuple[Array, Array, Array],
         length: Array,
         *,
-        reaction: bool,
         follows: bool,
     ) -> None:
-        self.ground, self.body, self.start, self.reaction, self.follows = ground, body, start, reaction, follows
+        self.ground, self.body, self.start, self.follows = ground, body, start, follows
         self.count = steps_on(body, length) + 1
         self.step = length / (self.count - 1)
         shape = len(length), int(self.count.max(initial=1))
@@ -277,7 +274,7 @@ class _Driving:
         step = _Steps(self.ground, self.body, self.rest, self.place[lane, k - 1], self.place[lane, k])
         self.surplus[lane, k] += step.lift()
         self.hits[lane, k] = step.meets(_upright_faces(self.body), _HIT)
-        if self.reaction:
+        if self.body.reaction:
             self.held[lane, k] = step.meets(_holding_sides(self.body), 0.0)
 
     def _follow(self) -> None:
@@ -471,13 +468,12 @@ def straight(
     axis: int,
     middles: Array | None = None,
     *,
-    reaction: bool = True,
     follows: bool = False,
 ) -> Lanes:
     """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across it, in metres.
 
     They are where the robot is wholly outside at first and at last; by default through the middle of every line of
-    cells but those of frames alone. reaction, follows: as of `drive_lanes`
+    cells but those of frames alone. follows: as of `drive_lanes`
     """
     middles = across(field, axis) if middles is None else middles
     before = entry_distance(field, body, axis)
@@ -485,4 +481,4 @@ def straight(
     along = np.full(len(middles), -before)
     x, y = (along, middles) if axis == 0 else (middles, along)
     ground, yaw = PaddedGround.of(field, outer_radius(body)), np.full(len(middles), axis * np.pi / 2)
-    return drive_lanes(ground, body, x, y, yaw, length, reaction=reaction, follows=follows)
+    return drive_lanes(ground, body, x, y, yaw, length, follows=follows)
