@@ -33,8 +33,10 @@ from rsegen.driving.spread import (
 )
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.embedded import EMBEDDED
+from rsegen.standing.body import Body
 from tests.support.long import long_unless
 
 pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
@@ -402,3 +404,22 @@ def test_metrics_tell_how_surely_a_robot_gets_across(capsys: pytest.CaptureFixtu
     assert told["predictions"]["south_north"]["drives"] == FIRST
     assert main([*command, "--robot", "jackal", "--json"]) == 0
     assert "predictions" not in json.loads(capsys.readouterr().out)[0]
+
+
+@pytest.mark.parametrize(("motors", "reactions"), [(MOTORS[0], [True]), (MOTORS[1], [True, False])])
+def test_motors_that_do_not_act_back_are_the_second_choice_of_plans(
+    monkeypatch: pytest.MonkeyPatch, motors: str, reactions: list[bool]
+) -> None:
+    """Casters are lifted by them over edges that hold them else; planned first are ways that need no such lift."""
+    asked: list[bool] = []
+
+    def none(_predictor: object, _scene: object, _robot: object, body: Body, _best: str) -> list[object]:
+        asked.append(body.reaction)
+        return []
+
+    monkeypatch.setattr("rsegen.driving.planning._tried_ways", none)
+    predictor = predictor_for(None, motors)
+    assert predictor is not None
+    found = predict_way(replace(predictor, drives=1), FLOOR, ROBOTS["burger"], "safe")
+    assert asked == reactions
+    assert found.crossed == 1, "of the straight lanes"
