@@ -342,7 +342,8 @@ def _together(record: Mapping[str, Any]) -> Iterator[str]:
     yield f"| of | {' | '.join(f'{title}: sure | of sure ones right' for title in titles)} |"
     yield f"|---|{'---|---|' * len(titles)}"
     for key, by_title in sums.items():
-        cells = (f"{counts.share_sure} | {counts.share_right}" for counts in map(by_title.__getitem__, titles))
+        counted = map(by_title.get, titles)  # a robot of a file may not have been judged in each of them
+        cells = (f"{counts.share_sure} | {counts.share_right}" if counts else " | " for counts in counted)
         yield f"| {_named(key)} | {' | '.join(cells)} |"
     yield ""
 

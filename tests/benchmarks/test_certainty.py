@@ -38,6 +38,16 @@ def test_records_are_counted_together() -> None:
     assert [sum(counts) for counts in zip(*robots.values(), strict=True)] == every["all"]
 
 
+def test_a_robot_that_was_judged_in_one_simulator_has_empty_cells_for_the_others() -> None:
+    record = loaded()
+    new = dict(zip(COLUMNS, record["rows"][0], strict=True)) | {"robot": "new", "judge": "mujoco"}
+    lines = list(certainty._together({**record, "rows": [[*new.values()]]}))
+    (head,) = (line for line in lines if line.startswith("| of |"))
+    (line,) = (line for line in lines if line.startswith("| new |"))
+    assert line.count("|") == head.count("|")
+    assert line.endswith("|  |  |  |  |")
+
+
 def _counts(record: Mapping[str, Any]) -> dict[str, list[int]]:
     """Drives of sure predictions that were as told, and all, simulator by simulator, of the groups of records."""
     rows = [line for line in certainty._together(record) if " of " in line and line.startswith("|")]
