@@ -174,3 +174,11 @@ def test_a_file_that_the_robot_names_and_that_drives_otherwise_keeps_those_of_ot
     states = "manager: {states: {type: joint_state_broadcaster/JointStateBroadcaster}}\n"
     assert of_a_family(tmp_path, two_wheels_urdf(""), "states", states=states, near=near).speed == 1.7
     assert "speed" in of_a_family(tmp_path, two_wheels_urdf(""), "own", own=own, near=near).assumed
+
+
+def test_files_that_a_robot_names_count_beside_one_of_its_arm(tmp_path: Path) -> None:
+    arm = "manager: {arm: {type: joint_trajectory_controller/JointTrajectoryController}}\n"
+    wheels = WHEELS.format("", "") + "  wheel_radius: 0.05\n"
+    robot = of_a_family(tmp_path, two_wheels_urdf(""), "arm", "wheels", arm=arm, wheels=wheels)
+    assert robot.speed == 1.7
+    assert "speed" not in robot.assumed

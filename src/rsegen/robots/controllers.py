@@ -130,14 +130,14 @@ def _controllers(where: Path, named: Sequence[Path], joints: set[str], remarks: 
     """
     packages = list(packages_around(where))
     own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
-    has_own = any(map(_drives_otherwise, named))
-    for files in (iter(named), chain.from_iterable(map(_yaml_files, own))):
+    has_own, drives_otherwise = False, _drive_otherwise(named)
+    for files in (iter(named), chain.from_iterable(map(_yaml_files, () if drives_otherwise else own))):
         for file, tables in () if has_own else _with_wheels(files, joints, remarks):
             for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
                 has_own = True
                 yield controller
     others = chain.from_iterable(_yaml_files(package) for package in packages if package not in own)
-    for file, tables in () if has_own else _with_wheels(others, joints, []):
+    for file, tables in () if has_own or drives_otherwise else _with_wheels(others, joints, []):
         if any(_controller(table, joints, file) for table in tables):
             problem = "its wheels are called like those of this robot, but its package belongs to another"
             remarks.append(f"{_place(file)} is not used: {problem}")
@@ -147,12 +147,12 @@ _TYPE = re.compile(rb"\btype\s*:\s*[\"']?[\w/:]*?(\w+Controller)\b")
 """The class of a controller in a YAML file of ROS 2; what only publishes is a broadcaster."""
 
 
-def _drives_otherwise(file: Path) -> bool:
-    """Return whether a file has controllers, and none for two sides of wheels, such as those of a tricycle.
+def _drive_otherwise(named: Sequence[Path]) -> bool:
+    """Return whether files that a robot names have controllers, and none for two sides of wheels, as of a tricycle.
 
-    If a robot names it, those of its package are of other robots.
+    Then those of its package are of other robots.
     """
-    types = set(_TYPE.findall(regular_content(file, _LARGEST) or b""))
+    types = {type_ for file in named for type_ in _TYPE.findall(regular_content(file, _LARGEST) or b"")}
     return bool(types) and b"DiffDriveController" not in types
 
 
