@@ -296,7 +296,6 @@ _LONGEST = 120
 """Letters of a value, or of a library's message, in a message of rsegen: one line of a wide terminal."""
 
 
-# Values come from files of anybody: three levels of lists, and numbers and texts by their ends.
 class _Repr(reprlib.Repr):
     """As it is in reprlib, but for numbers that are so long that Python does not write them out."""
 
@@ -309,6 +308,7 @@ class _Repr(reprlib.Repr):
         return super().repr_int(x, level)
 
 
+# Values come from files of anybody: three levels of lists, and numbers and texts by their ends.
 _SHORT = _Repr()
 _SHORT.maxlevel = 3
 _SHORT.maxstring = _SHORT.maxother = 60

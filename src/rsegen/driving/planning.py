@@ -94,11 +94,10 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
 
     best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
-    bodies = [robot.body]
-    if predictor.motors != MOTORS[0]:  # there casters are lifted over some edges that hold them: the second choice
-        bodies.append(replace(robot.body, reaction=False))
-    planned = (_tried_ways(predictor, scene, robot, body, best) for body in bodies)
-    tried = next(filter(None, planned), None) or _tried_lanes(predictor, scene, robot)
+    tried = _tried_ways(predictor, scene, robot, robot.body, best)
+    if not tried and predictor.motors != MOTORS[0]:  # these lift casters over some edges that hold them else
+        tried = _tried_ways(predictor, scene, robot, replace(robot.body, reaction=False), best)
+    tried = tried or _tried_lanes(predictor, scene, robot)
     surest = max(tried, key=lambda one: one.probability)
     if surest.found is None:
         raise surest.error or SimulatorFailed("no way could be driven")

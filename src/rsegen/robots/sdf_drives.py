@@ -25,7 +25,7 @@ from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_shapes import ModelFrames, positive_number
-from rsegen.robots.wheel_joints import is_along_y, large_wheels, rolling_joints, steered_wheels
+from rsegen.robots.wheel_joints import TURNING, is_along_y, large_wheels, rolling_joints, steered_wheels
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5
@@ -330,16 +330,12 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
 
 def _rolls(joint: str, frames: ModelFrames) -> bool:
     """Return whether a joint is there, and turns about an axis across the model."""
-    return _type(joint, frames) in _TURNING and is_along_y(joint, frames)
+    return _type(joint, frames) in TURNING and is_along_y(joint, frames)
 
 
 def _type(joint: str, frames: ModelFrames) -> str:
     """Return the type of a joint; an empty text for none, as for a fixed one of URDF, whose links become one."""
     return frames.joints[joint].get("type", "") if joint in frames.joints else ""
-
-
-_TURNING = ("revolute", "continuous")
-"""Types of joints that may be those of driven wheels."""
 
 
 def _joints(plugin: Element) -> tuple[list[str], list[str]]:
@@ -359,7 +355,7 @@ def plugin_problem(model: Element, frames: ModelFrames, read: ReadDrive | None) 
     joints = _of_all(side for plugin in plugins.values() for side in _joints(plugin))
     links = _of_all(side for plugin in plugins.values() for side in _belts(plugin))
     for names, problem in (
-        ([joint for joint in joints if _type(joint, frames) not in _TURNING], _STIFF),
+        ([joint for joint in joints if _type(joint, frames) not in TURNING], _STIFF),
         ([joint for joint in joints if not _rolls(joint, frames)], _ACROSS),
         ([link for link in links if link not in frames.elements], "its plug-in names links that it has not: {}"),
     ):

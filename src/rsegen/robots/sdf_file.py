@@ -59,7 +59,7 @@ from rsegen.robots.sdf_shapes import (
 from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
-from rsegen.robots.wheel_joints import steered_wheels
+from rsegen.robots.wheel_joints import TURNING, steered_wheels
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
 from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.kinds import RobotOnField
@@ -368,7 +368,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         version=version,
         backend=_backend(model, drive),
         read_drive=drive,
-        joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in ("revolute", "continuous")),
+        joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in TURNING),
         steered=() if drive else tuple(steering),
         steering=tuple(steering.values()),
         undriven="" if drive else problem,

@@ -34,6 +34,10 @@ _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
 
+TURNING = ("revolute", "continuous")
+"""Types of joints that turn about one axis."""
+
+
 def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     """Return the joints of wheels that are steered, and which joint steers each: an upright one that is held.
 
@@ -76,7 +80,7 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
 
 def _swivels(joint: str, frames: ModelFrames) -> bool:
     """Return whether a joint turns what it carries to the left and the right, as that of a caster or a steering."""
-    turns = frames.joints[joint].get("type") in ("revolute", "continuous")
+    turns = frames.joints[joint].get("type") in TURNING
     return turns and bool(abs(frames.axis(joint)[2]) >= UPRIGHT)
 
 
@@ -128,7 +132,7 @@ def is_wheel(joint: str, frames: ModelFrames) -> bool:
 
 def is_endless(joint: Element) -> bool:
     """Return whether a joint turns without end."""
-    if joint.get("type") not in ("revolute", "continuous"):
+    if joint.get("type") not in TURNING:
         return False
     try:
         low = float(joint.findtext("axis/limit/lower") or "-inf")
