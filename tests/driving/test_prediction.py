@@ -37,6 +37,8 @@ from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.body import Body
+from rsegen.standing.lanes import across
+from rsegen.standing.lanes import straight as straight_lanes
 from tests.support.long import long_unless
 
 pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
@@ -216,7 +218,7 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
 
 
 def ways_by_script(
-    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool], drives: int = MOST
+    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool], drives: int = MOST, scene: Scene = PASSAGE
 ) -> tuple[Prediction, list[bytes], list[tuple[int, int]]]:
     """Return what is found, the ways that were tried, and which drives there were: numbers of the way and of the drive.
 
@@ -237,7 +239,7 @@ def ways_by_script(
         return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
 
     monkeypatch.setattr("rsegen.driving.prediction.spread_drive", scripted)
-    found = predict_way(replace(predictor(), drives=drives), PASSAGE, ROBOTS["jackal"], "safe")
+    found = predict_way(replace(predictor(), drives=drives), scene, ROBOTS["jackal"], "safe")
     assert len(set(driven)) == len(driven), "no drive is done twice"
     return found, ways, driven
 
@@ -245,7 +247,10 @@ def ways_by_script(
 def test_a_later_way_is_sure_only_by_all_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first way holds the robot, the second one lets it across in the first drives alone, the third always."""
     found, ways, driven = ways_by_script(monkeypatch, lambda way, number: way > 1 or (way == 1 and number < FIRST))
-    assert [sum(way == number for way, _ in driven) for number in range(3)] == [1, MOST, MOST]
+    first, second, third = (sum(way == number for way, _ in driven) for number in range(3))
+    assert first == 1
+    assert FIRST < second < MOST, "given up before all drives of a spread are done"
+    assert third == MOST
     assert found.way is not None
     assert found.way.points.tobytes() == ways[2]
     assert (found.crossed, found.drives) == (MOST, MOST)
@@ -258,6 +263,33 @@ def test_a_way_that_failed_once_is_tried_again_where_others_are_worse(monkeypatc
     assert found.way is not None
     assert found.way.points.tobytes() == ways[0]
     assert (found.crossed, found.drives) == (MOST - 1, MOST)
+
+
+def test_straight_lanes_are_tried_where_a_way_is_not_sure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On level ground a way holds the robot, and so does the lane in the middle; the next lane does not."""
+    found, ways, driven = ways_by_script(monkeypatch, lambda way, _number: way == 2, scene=FLOOR)
+    assert [sum(way == number for way, _ in driven) for number in range(3)] == [1, 2, MOST]
+    lines = [np.frombuffer(way).reshape(-1, 2)[:, 1] for way in ways]
+    assert [len(line) for line in lines[1:]] == [2, 2], "lanes are straight"
+    across = FLOOR.field.middles()[1]
+    assert np.abs([line[0] for line in lines[1:]]).tolist() == np.sort(np.abs(across))[:2].tolist(), "the middle first"
+    assert found.way is not None
+    assert found.way.crosses, "poses get to its end"
+    assert found.way.points.tobytes() == ways[2]
+    assert (found.crossed, found.drives) == (MOST, MOST), "chosen by its first drives, which are not enough"
+
+
+def test_lanes_that_poses_do_not_pass_are_tried_only_without_a_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A passage is north of the middle: all lanes elsewhere end at the wall, and without a passage all do."""
+    for scene, is_walled in ((PASSAGE, False), (WALL, True)):
+        lanes = straight_lanes(scene.field, ROBOTS["jackal"].body, 0)
+        assert lanes.passed.any() != is_walled
+        _, ways, _ = ways_by_script(monkeypatch, lambda _way, _number: False, scene=scene)
+        lines = [np.frombuffer(way).reshape(-1, 2)[:, 1] for way in ways]
+        tried = {line[0] for line in lines if len(line) == 2}
+        passed = set(across(scene.field, 0)[lanes.passed].tolist())
+        assert tried
+        assert tried.isdisjoint(passed) if is_walled else tried <= passed
 
 
 @pytest.mark.parametrize("drives", [1, 3, 10])
@@ -413,11 +445,10 @@ def test_motors_that_do_not_act_back_are_the_second_choice_of_plans(
     """Casters are lifted by them over edges that hold them else; planned first are ways that need no such lift."""
     asked: list[bool] = []
 
-    def none(_predictor: object, _scene: object, _robot: object, body: Body, _best: str) -> list[object]:
+    def none(_search: object, body: Body, _best: str) -> None:
         asked.append(body.reaction)
-        return []
 
-    monkeypatch.setattr("rsegen.driving.planning._tried_ways", none)
+    monkeypatch.setattr("rsegen.driving.planning._Search.try_ways", none)
     predictor = predictor_for(None, motors)
     assert predictor is not None
     found = predict_way(replace(predictor, drives=1), FLOOR, ROBOTS["burger"], "safe")

@@ -9,11 +9,14 @@ driven with the errors of a spread (prediction.py). Once a drive has failed, the
 have passed rather than what nobody has tried, and around the places that held them (standing/evidence.py). It may be
 the same way again; once two of its drives have failed it is given up. One that is sure is taken, or else the best of
 those that were tried. Of several ways that are crossed by chance some cross in all of their first drives: so a later
-way is sure only by all drives of a spread. If poses find no way, the straight lanes are tried on which the robot gets
-farthest.
+way is sure only by all drives of a spread.
 
-Cost: up to sixteen plans of a fifth of a second, and as many drives that fail. What breaks it: a map whose ways all
-lead through one place that is crossed by chance.
+Where the first way is not sure, straight lanes come next on which poses get to the end, before ways are planned anew:
+they are easier to follow, and some robots are held by what bends ask of their casters. If poses find no way at all, the
+lanes are tried on which they get farthest.
+
+Cost: up to sixteen plans of a fifth of a second, and a drive or two for each; of ways that are crossed by chance some
+sixty drives. What breaks it: a map whose ways all lead through one place that is crossed by chance.
 """
 
 from __future__ import annotations
@@ -39,10 +42,10 @@ from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import straight
+from rsegen.standing.lanes import across, straight
 from rsegen.standing.lattice import BEST, Lattice
 from rsegen.standing.planner import Planner
-from rsegen.standing.ways import Way, no_way
+from rsegen.standing.ways import Way, lane_way
 from rsegen.writing.execute import cores
 
 SURE = 0.9
@@ -52,7 +55,8 @@ _FAILURES = 2
 """Drives that fail, after which a way is given up."""
 
 _PLANS, _LANES = 16, 4
-"""Times that a way is planned, and straight lanes if poses find no way: some ten seconds."""
+"""Times that a way is planned, and straight lanes that are tried at most: some ten seconds, and up to forty of a robot
+that crosses everything by chance."""
 
 
 @dataclass(kw_only=True, slots=True)
@@ -66,7 +70,7 @@ class _Tried:
     @property
     def failures(self) -> int:
         """The number of its drives that have failed."""
-        return self.found.drives - self.found.crossed if self.found else 0
+        return self.found.failed if self.found else 0
 
     @property
     def probability(self) -> float:
@@ -85,8 +89,19 @@ class _Tried:
             self.error = error
             return ()
         if self.failures < failures:
-            self.found = predictor.predict(scene, self.run, self.found, is_chosen=not is_first)
+            chosen = not is_first
+            self.found = predictor.predict(scene, self.run, self.found, failures=_FAILURES, is_chosen=chosen)
         return self.found.outcomes[known.drives if known else 0 :]
+
+    def is_done(self, predictor: Predictor) -> bool:
+        """Return whether it is given up, or all of its drives are done."""
+        return self.failures >= _FAILURES or bool(self.found and self.found.next_drive >= predictor.drives)
+
+    def close(self, planner: Planner) -> None:
+        """Close the places that held its drives: it is given up, and still the best of what is known."""
+        if self.found and self.run.way:
+            for end in self.found.ends:
+                planner.learn(self.run.way.points, (end.x, end.y), held=inf)
 
 
 def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> Prediction:
@@ -94,56 +109,81 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
 
     best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
-    tried = _tried_ways(predictor, scene, robot, robot.body, best)
-    if not tried and predictor.motors != MOTORS[0]:  # these lift casters over some edges that hold them else
-        tried = _tried_ways(predictor, scene, robot, replace(robot.body, reaction=False), best)
-    tried = tried or _tried_lanes(predictor, scene, robot)
-    surest = max(tried, key=lambda one: one.probability)
+    search = _Search(predictor, scene, robot)
+    search.try_ways(robot.body, best)
+    if not search.tried and predictor.motors != MOTORS[0]:  # these lift casters over some edges that hold them else
+        search.try_ways(replace(robot.body, reaction=False), best)
+    if not search.tried:
+        search.try_lanes(passed=False)
+    surest = max(search.tried.values(), key=lambda one: one.probability)
     if surest.found is None:
         raise surest.error or SimulatorFailed("no way could be driven")
     return predictor.predict(scene, surest.run, surest.found)
 
 
-def _tried_ways(predictor: Predictor, scene: Scene, robot: DrivableRobot, body: Body, best: str) -> list[_Tried]:
-    """Return the ways that were tried, each planned by what the drives before have shown."""
-    planner = Planner(Lattice(scene.field, body, best, partial(report_share, "a way across")))
-    tried = dict[bytes, _Tried]()
-    for _ in range(_PLANS):
-        way = planner.way(0, checked=False)  # drives check it
-        if way is None:
-            break
-        key = way.points.tobytes()
-        tried[key] = one = tried.get(key) or _Tried(run=_run(scene, robot, way))
-        if one.found and (one.failures >= _FAILURES or one.found.next_drive >= predictor.drives):
-            if not one.failures:
+class _Search:
+    """A search for a way that a robot surely drives.
+
+    tried: the ways and lanes that were tried, by the bytes of their points
+    """
+
+    def __init__(self, predictor: Predictor, scene: Scene, robot: DrivableRobot) -> None:
+        self.predictor, self.scene, self.robot = predictor, scene, robot
+        self.tried = dict[bytes, _Tried]()
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether one of them is crossed surely enough."""
+        return any(one.probability >= SURE for one in self.tried.values())
+
+    def try_ways(self, body: Body, best: str) -> None:
+        """Try ways of a body, each planned by what the drives before have shown, and lanes, until one is sure."""
+        planner = Planner(Lattice(self.scene.field, body, best, partial(report_share, "a way across")))
+        for number in range(_PLANS):
+            way = planner.way(0, checked=False)  # drives check it
+            if way is None:
                 break
-            for end in one.found.ends:  # given up, and still the best of what is known
-                planner.learn(way.points, (end.x, end.y), held=inf)
-            continue
-        for outcome in one.drive(predictor, scene, one.failures + 1, is_first=len(tried) == 1):
-            x, y = outcome.path[-1].tolist()
-            planner.learn(way.points, (x, y) if outcome.reason else None)
-        if one.error or one.probability >= SURE:
-            break
-    report_share("a way across", 1)
-    return list(tried.values())
+            one = self._tried(way)
+            if one.is_done(self.predictor):
+                if not one.failures:
+                    break
+                one.close(planner)
+                continue
+            for outcome in self._drive(one, one.failures + 1):
+                x, y = outcome.path[-1].tolist()
+                planner.learn(way.points, (x, y) if outcome.reason else None)
+            if not number and one.failures:
+                self.try_lanes(passed=True)
+            if one.error or self.is_sure:
+                break
+        report_share("a way across", 1)
 
+    def try_lanes(self, *, passed: bool) -> None:
+        """Try the straight lanes on which poses get farthest, those in the middle first, until one is sure.
 
-def _tried_lanes(predictor: Predictor, scene: Scene, robot: DrivableRobot) -> list[_Tried]:
-    """Return the straight lanes on which poses get farthest, up to the first one that is sure."""
-    lanes, tried = straight(scene.field, robot.body, 0), list[_Tried]()
-    for number in np.argsort(-lanes.last, kind="stable")[:_LANES]:
-        tried.append(_Tried(run=_run(scene, robot, no_way(lanes, robot.body, int(number)))))
-        tried[-1].drive(predictor, scene, _FAILURES, is_first=len(tried) == 1)
-        if tried[-1].probability >= SURE:
-            break
-    return tried
+        passed: whether only lanes are tried that poses drive to their ends
+        """
+        field, body = self.scene.field, self.robot.body
+        lanes, aside = straight(field, body, 0), np.abs(across(field, 0))
+        order = np.lexsort([aside, -lanes.last])
+        for number in order[lanes.passed[order] | (not passed)][:_LANES].tolist():
+            self._drive(self._tried(lane_way(lanes, number, field, body)), _FAILURES)
+            if self.is_sure:
+                break
 
+    def _tried(self, way: Way) -> _Tried:
+        """Return a way that is tried, from now on if it was not."""
+        scene, robot = self.scene, self.robot
+        planned = followed(scene.field, robot.body, way)
+        key = planned.points.tobytes()
+        if key not in self.tried:
+            (run,) = runs_along(scene.field, robot, planned)
+            self.tried[key] = _Tried(run=run)
+        return self.tried[key]
 
-def _run(scene: Scene, robot: DrivableRobot, way: Way) -> RobotRun:
-    """Return the run of a robot along a way."""
-    (run,) = runs_along(scene.field, robot, followed(scene.field, robot.body, way))
-    return run
+    def _drive(self, one: _Tried, failures: int) -> Sequence[Outcome]:
+        """Drive along a way until that many drives have failed; few drives are enough for the first way alone."""
+        return one.drive(self.predictor, self.scene, failures, is_first=len(self.tried) == 1)
 
 
 def required_simulator(purpose: str) -> EmbeddedSimulator:

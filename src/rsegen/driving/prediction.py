@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from math import hypot, radians
+from math import hypot, inf, radians
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +52,9 @@ _HELD, _WITHIN, _TURNED = 3.0, 0.01, radians(2.5)
 """Seconds in which a robot comes on by less than these metres, and turns by less than these radians, and is held for
 good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either. Those that
 are held come on by a millimetre; small wheels creep over edges by a centimetre or two, and half of them get free."""
+
+_TOGETHER = 7
+"""Drives that are done together: half of those of a spread beyond the first ones."""
 
 _SECONDS = 0.5
 """CPU seconds that a drive takes, about."""
@@ -147,6 +150,11 @@ class Prediction:
         return sum(outcome.seconds is not None for outcome in self.outcomes)
 
     @property
+    def failed(self) -> int:
+        """The number of drives that did not cross."""
+        return self.drives - self.crossed
+
+    @property
     def probability(self) -> float:
         """Probability of crossing, 0..1."""
         return _probability(self.crossed, self.drives)
@@ -199,7 +207,7 @@ class Predictor:
     drives: int = MOST
     workers: int = 1
 
-    def tried(self, scene: Scene, run: RobotRun, failures: int = MOST, known: Prediction | None = None) -> Prediction:
+    def tried(self, scene: Scene, run: RobotRun, failures: float = inf, known: Prediction | None = None) -> Prediction:
         """Return what the first drives say, up to a number of them that do not cross; SimulatorFailed without any.
 
         known: what the first of them have said already
@@ -214,25 +222,31 @@ class Predictor:
         return self._prediction(outcomes, run, number)
 
     def predict(
-        self, scene: Scene, run: RobotRun, known: Prediction | None = None, *, is_chosen: bool = False
+        self,
+        scene: Scene,
+        run: RobotRun,
+        known: Prediction | None = None,
+        *,
+        failures: float = inf,
+        is_chosen: bool = False,
     ) -> Prediction:
         """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.
 
-        known: what the first drives have said already; is_chosen: if they all cross, that is not enough, as the run was
-        chosen by it
+        known: what the first drives have said already; failures: after as many drives that do not cross, or some more,
+        it is enough; is_chosen: if the first ones all cross, that is not enough, as the run was chosen by it
         """
-        tried = self.tried(scene, run, known=known)
-        alike = (0,) if is_chosen else (0, tried.drives)
-        if tried.next_drive >= self.drives or tried.crossed in alike:
-            report_share(_BAR, 1)
-            return tried
-        rest, outcomes = range(tried.next_drive, self.drives), list(tried.outcomes)
-        work = partial(self._outcomes, scene, run)
-        for batch in execute(work, rest, _SECONDS, Execution(workers=self.workers)):
-            outcomes += batch
-            report_share(_BAR, len(outcomes) / self.drives)
+        found, work = self.tried(scene, run, failures, known), partial(self._outcomes, scene, run)
+        is_enough = not found.crossed or (not found.failed and not is_chosen)
+        together = self.drives if failures == inf else _TOGETHER  # for any number of workers
+        while found.next_drive < self.drives and found.failed < failures and not is_enough:
+            rest = range(found.next_drive, min(found.next_drive + together, self.drives))
+            outcomes = list(found.outcomes)
+            for batch in execute(work, rest, _SECONDS, Execution(workers=self.workers)):
+                outcomes += batch
+                report_share(_BAR, len(outcomes) / self.drives)
+            found = self._prediction(outcomes, run, rest.stop)
         report_share(_BAR, 1)
-        return self._prediction(outcomes, run, self.drives)
+        return found
 
     def _outcomes(self, scene: Scene, run: RobotRun, numbers: Sequence[int]) -> list[Outcome]:
         """Return the outcomes of drives; one whose physics fails counts neither way."""

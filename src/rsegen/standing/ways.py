@@ -158,6 +158,13 @@ def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: flo
     )
 
 
+def lane_way(lanes: Lanes, number: int, field: StepField, body: Body) -> Way:
+    """Return the way along one of all straight lanes from west to east, or what ends it."""
+    if not lanes.passed[number]:
+        return no_way(lanes, body, number)
+    return _way_along(lanes.lane(number), field, body, 0, float(across(field, 0)[number]))
+
+
 def no_way(lanes: Lanes, body: Body, number: int | None = None) -> Way:
     """Return what ends a straight lane, by default the one that gets farthest."""
     best = int(lanes.last.argmax()) if number is None else number
