@@ -32,6 +32,7 @@ RUNS = {
     "a format that is replaced": [[*GENERATE, "--formats", "mjcf"], [*EXPORT, "--to", "mjcf shape=mesh", "--force"]],
     "formats that are complete": [[*EXPORT, "--to", "stl"], [*EXPORT, "--to", "stl", "--resume"]],
     "maps in one package": [PACKAGE],
+    "a package that is complete": [PACKAGE, [*PACKAGE, "--resume"]],
     "a package that is replaced": [PACKAGE, [*PACKAGE, "--maps", "1", "--force"]],
     "a data set": [DATASET],
     "a data set that is complete": [DATASET, [*DATASET, "--resume"]],
@@ -93,6 +94,18 @@ def test_the_maps_that_a_resumed_run_keeps_are_listed(capsys: pytest.CaptureFixt
     fates = json.loads(capsys.readouterr().out)
     assert "out/peak_0000/peak_0000.world" in fates["keep"]
     assert "out/peak_0001/peak_0001.world" in fates["write"]
+
+
+@pytest.mark.parametrize("command", [DATASET, PACKAGE, GENERATE, [*EXPORT, "--to", "mjcf"]])
+def test_a_resumed_run_that_is_complete_keeps_every_file(
+    command: list[str], here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, "--quiet"]) == 0
+    assert main([*command, "--resume", "--dry-run", "--json"]) == 0
+    fates = json.loads(capsys.readouterr().out)
+    kept = set(fates.pop("keep"))
+    assert not any(fates.values())
+    assert kept == set(tree(here))
 
 
 def test_what_a_person_reads_ends_with_the_counts(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1128,6 +1128,16 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert all("api/reach" in each for each in said), "the answer to the search that was stopped"
 
 
+def test_facts_of_a_robot_go_with_the_map_that_they_are_of(page: Page) -> None:
+    page.js("state.edit({ do: 'set', name: 'maps', value: 2 })")
+    page.settled()
+    page.js("state.chooseRobot('burger').then(() => state.settle(0.1, 0.1)); state.showReach()")
+    until(lambda: page.js("return state.reach.value && state.pose.value && true"))
+    page.js("state.showMap(state.index.value + 1)")
+    until(lambda: page.js("return state.scene.value.index === state.index.value"))
+    assert page.js("return [state.reach.value, state.pose.value, state.put.value]") == [None, None, None]
+
+
 @pytest.mark.parametrize(("size", "is_small"), [((390, 844), True), ((844, 390), True), ((1366, 768), False)])
 def test_nothing_lies_over_a_drive_or_its_time_line(
     chrome: Chrome, address: str, folder: Path, size: tuple[int, int], is_small: bool

@@ -20,7 +20,7 @@ from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import documents as hosting
 from rsegen.page import host as page_host
 from rsegen.page.hello import hello
-from rsegen.page.host import Host, Listener
+from rsegen.page.host import Asker, Host, Listener, asked_by
 from rsegen.page.model.session import Session
 from rsegen.robots import page as robots
 from rsegen.robots.base import ROBOTS
@@ -162,7 +162,7 @@ def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytes
 
 @pytest.mark.slow
 @pytest.mark.parametrize("of", ["reach", "tilt"])
-@pytest.mark.parametrize("by", ["a stop", "a newer request", "the end of its page"])
+@pytest.mark.parametrize("by", ["a stop", "a newer request", "the end of its page", "the end of its connection"])
 def test_a_search_ends_soon_by(
     by: str, of: Literal["reach", "tilt"], host: Host, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -174,13 +174,15 @@ def test_a_search_ends_soon_by(
     monkeypatch.setattr(robots, "_AT_ONCE", 1)
     listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
     host.opened(doc).add(listener)
+    asker = Asker(page="p")
 
     def search() -> None:
         try:
-            if of == "reach":
-                robots.reach(host, doc=doc, index=0, robot="crawler")
-            else:
-                robots.tilt(host, doc=doc, index=0, robot="crawler", heading=0.3)
+            with asked_by(asker):
+                if of == "reach":
+                    robots.reach(host, doc=doc, index=0, robot="crawler")
+                else:
+                    robots.tilt(host, doc=doc, index=0, robot="crawler", heading=0.3)
         except UserError as error:
             ended.append(str(error))
 
@@ -188,15 +190,28 @@ def test_a_search_ends_soon_by(
     first.start()
     assert begun.wait(60)
     if by == "a stop":
-        robots.stop(host, doc=doc, of=of)
+        with asked_by(Asker(page="p")):
+            robots.stop(host, doc=doc, of=of)
     elif by == "the end of its page":
         host.opened(doc).remove(listener)
+    elif by == "the end of its connection":
+        asker.has_left = True
     else:
-        with host.opened(doc).newest_turn(of):
+        with asked_by(Asker(page="p")), host.opened(doc).newest_turn(of):
             pass
     first.join(30)  # all of it takes minutes
     host.opened(doc).remove(listener)
     assert ended == ["it was stopped, or a newer request replaced it"]
+
+
+@pytest.mark.slow
+def test_a_way_is_that_of_a_robot_as_its_file_is_now(host: Host, doc: str) -> None:
+    found = []
+    for kind in ("burger", "crawler"):
+        (host.folder / "changed.sdf").write_text(ROBOTS[kind].file("changed"))
+        told = robots.way(host, doc=doc, index=0, robot="changed.sdf", start=(-0.25, 0.05), goal=(0.25, 0.05))
+        found.append(told["found"])
+    assert found == [False, True], "a burger cannot drive there"
 
 
 @pytest.mark.parametrize("kind", sorted(ROBOTS))
@@ -296,14 +311,34 @@ def test_of_requests_that_wait_the_newest_alone_gets_its_turn(tmp_path: Path) ->
     threads[0].start()
     begun.wait(10)
     for thread in threads[1:]:
-        before = opened.searches["tilt"]
+        before = opened.searches["tilt", ""]
         thread.start()
-        while opened.searches["tilt"] is before:
+        while opened.searches["tilt", ""] is before:
             pass
     may_end.set()
     for thread in threads:
         thread.join(10)
     assert sorted(answers) == ["first", "second is dropped", "third"]
+    assert not opened.searches
+
+
+def test_pages_of_one_document_take_and_stop_no_search_of_each_other(host: Host, doc: str) -> None:
+    opened = host.opened(doc)
+    heard = dict[str, list[Any]](one=[], other=[])
+    listeners = [Listener(page=page, send=events.append) for page, events in heard.items()]
+    for listener in listeners:
+        opened.add(listener)
+    with asked_by(Asker(page="one")), opened.newest_turn("reach") as watch:
+        with asked_by(Asker(page="other")):
+            opened.searches["reach", "other"] = object()  # one that waits
+            robots.stop(host, doc=doc, of="reach")
+        opened.remove(listeners[1])
+        watch(0.5)
+    shares = {
+        page: [event["share"] for event in events if event["event"] == "progress"] for page, events in heard.items()
+    }
+    assert shares == {"one": [0.5], "other": []}
+    opened.remove(listeners[0])
 
 
 @pytest.mark.slow

@@ -354,6 +354,31 @@ def test_a_slow_call_delays_no_event_and_no_change(tmp_path: Path, monkeypatch: 
         stream.close()
 
 
+def test_a_search_ends_whose_asker_has_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, ended = Event(), Event()
+
+    def search(host: Host, *, doc: str) -> None:
+        with host.opened(doc).newest_turn("reach") as watch:
+            begun.set()
+            try:
+                while True:
+                    watch()
+            finally:
+                ended.set()
+
+    monkeypatch.setitem(calls.OF_HOST, "search", search)
+    with serving(tmp_path) as service:
+        client = Client(service.listening_port)
+        doc = opened(client, "")
+        stream = client.events(doc, "one")  # the page stays, and others may
+        impatient = Client(service.listening_port, seconds=0.2)
+        with pytest.raises(TimeoutError):
+            impatient.call("search", doc=doc, page="one")
+        assert begun.is_set()
+        assert ended.wait(20)
+        stream.close()
+
+
 @contextmanager
 def command(folder: Path, *arguments: str, **variables: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """`rsegen gui` with arguments and environment variables, and the address that it prints."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -94,6 +95,59 @@ def test_a_motor_is_the_weaker_of_the_joints_and_the_plug_ins(
     assert found["motor"][1].startswith(origin)
 
 
+HULL = "<pose>-0.05 0 0.04 0 0 0</pose>"
+WEIGHT = "<inertial><mass>3</mass>"
+
+
+def test_a_robot_of_a_file_is_described_as_it_stands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(GZ))
+    found = figures(capsys, str(file))
+    assert found["front"] == ("along x of its model", "as in ROS and Gazebo")
+    assert found["balance"][0] == "0.000 m ahead, 0.050 m high"
+    assert found["supports"][0] == "base::ball 0.150 m behind"
+    assert found["supports"][1].endswith("; friction 0")
+    # The hull is from 0 to 0.08 above its link, and that is 0.05 m above the ground.
+    assert found["clearance"] == ("0.050 m", "the lowest of all else above level ground, base::hull")
+    assert "stands" not in found
+
+
+def test_a_low_belly_is_a_support_and_leaves_no_clearance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(GZ).replace(HULL, HULL.replace("0.04", "-0.01")))
+    found = figures(capsys, str(file))
+    assert found["supports"][0] == "base::hull 0.050 m behind, base::ball 0.150 m behind"
+    assert found["supports"][1].endswith("; friction 0 to 1")
+    assert "clearance" not in found
+
+
+def test_a_robot_that_tips_over_on_level_ground_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(GZ).replace(WEIGHT, WEIGHT.replace("<mass>", "<pose>-0.4 0 0 0 0 0</pose><mass>")))
+    found = figures(capsys, str(file))
+    assert found["balance"][0].startswith("0.353 m behind")  # 3 of 3.4 kg, 0.4 m behind the wheels
+    assert found["stands"][0] == "no"
+
+
+def test_wheels_without_collision_shapes_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.sdf"
+    file.write_text(re.sub('<collision name="tyre">.*?</collision>', "", two_wheels(GZ), flags=re.DOTALL))
+    found = figures(capsys, str(file))
+    assert found["friction"] == ("none", "what it drives on has no collision shapes")
+    assert "supports" not in found
+
+
+def test_a_caster_on_a_fixed_joint_has_the_name_of_its_link(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.urdf"
+    file.write_text(two_wheels_urdf())
+    assert figures(capsys, str(file))["supports"][0] == "caster 0.150 m behind"
+
+
+@pytest.mark.parametrize("kind", ["burger", "crawler", "jackal"])
+def test_the_clearance_of_a_kind_is_that_of_its_shapes(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert figures(capsys, kind)["clearance"][0] == f"{ROBOTS[kind].clearance:.3f} m"
+
+
 @pytest.mark.parametrize("kind", ["burger", "crawler"])
 def test_a_robot_of_rsegen_names_its_source(capsys: pytest.CaptureFixture[str], kind: str) -> None:
     assert main(["robot", kind]) == 0
@@ -108,7 +162,7 @@ def test_a_robot_that_is_not_driven_says_why(tmp_path: Path, capsys: pytest.Capt
     file.write_text('<sdf version="1.6"><model name="box"><link name="a"/></model></sdf>')
     found = figures(capsys, str(file))
     assert found["drive"] == ("none", "not in its file, and no links look like wheels")
-    assert found["mass"] == ("1 kg", "the <inertial> of 1 links; 1 kg each, as SDF has it, for 1 without a mass")
+    assert found["mass"] == ("1 kg", "1 kg each, as SDF has it, for 1 link without a mass")
     assert main(["robot", str(tmp_path / "nothing.sdf")]) == 2
 
 

@@ -16,6 +16,7 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, StepField
+from rsegen.standing import lattice
 from rsegen.standing import reach as reaching
 from rsegen.standing.lanes import End, straight
 from rsegen.standing.lattice import BEST, Lattice
@@ -264,6 +265,18 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
     levels = np.zeros((8, 5), int)
     levels[6, 2] = 1
     assert Planner(Lattice(field_of(levels, 0.3), BURGER)).between((-0.35, 0.0), (0.33, 0.03)) is None
+
+
+def test_a_search_for_a_way_can_be_ended_before_the_first_way_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lattice, "_TOLD_EVERY", 5)
+    monkeypatch.setattr(Lattice, "settle_at", lambda *_: pytest.fail("a way was found before"))
+
+    def stop(_: float) -> None:
+        raise InterruptedError
+
+    planner = Planner(Lattice(field_of(np.zeros((12, 8), int)), BODIES["crawler"], watch=stop))
+    with pytest.raises(InterruptedError):
+        planner.way(0)
 
 
 @pytest.mark.slow

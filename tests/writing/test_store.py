@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from functools import partial
 from hashlib import sha256
 from itertools import count
@@ -19,6 +19,7 @@ from rsegen.errors import FilesDamaged, OutputError, Stopped, WriteError
 from rsegen.input_files import JOURNAL
 from rsegen.writing import swap
 from rsegen.writing import undo as undo_module
+from rsegen.writing.dry import dry_run
 from rsegen.writing.journal import verify
 from rsegen.writing.store import (
     Store,
@@ -305,6 +306,21 @@ def test_the_hidden_folder_is_not_followed_if_it_is_a_link(tmp_path: Path) -> No
     with pytest.raises(OutputError, match="is a link"):
         write_folder(BUNDLE, tmp_path / "out" / "map")
     assert list((tmp_path / "theirs").iterdir()) == []
+
+
+@pytest.mark.parametrize("below", ["", "new"])
+@pytest.mark.parametrize("is_dry", [True, False])
+def test_a_folder_that_is_a_link_to_nothing_is_named_with_where_it_leads(
+    tmp_path: Path, below: str, is_dry: bool
+) -> None:
+    (tmp_path / "out").symlink_to(tmp_path / "disk" / "worlds")
+    with (
+        dry_run() if is_dry else nullcontext(),
+        pytest.raises(OutputError, match=f"out: is a link to {tmp_path}/disk/worlds, which does not exist"),
+        open_store(tmp_path / "out" / below),
+    ):
+        pass
+    assert not (tmp_path / "disk").exists()
 
 
 # A folder that is replaced as a whole, by a run that may be stopped.

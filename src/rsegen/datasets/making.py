@@ -133,10 +133,11 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
     with _opened(plan) as store:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
         existing = [] if plan.replaces else shards_run.existing
-        store.announce_files(
-            [*chain(*names.values()), MANIFEST], kept=[name for number in existing for name in names[number]]
-        )
         journal = store.journal.content
+        kept = [name for number in existing for name in names[number]]
+        if len(existing) == layout.shards and is_intact(store.folder, MANIFEST, journal):
+            kept.append(MANIFEST)
+        store.announce_files([*chain(*names.values()), MANIFEST], kept=kept)
         if plan.replaces and journal:  # what an earlier run of the same command has made
             existing = complete_shards(layout, store.folder, journal)
             known = frozenset(existing)

@@ -29,6 +29,7 @@ from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
 from rsegen.scene.scene import Scene, compose
+from rsegen.writing.dry import announce_files
 from rsegen.writing.execute import Execution
 from rsegen.writing.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.writing.plan import OnExisting, Output, RunPlan
@@ -310,6 +311,7 @@ def export_joined(
     home = folder / chosen.joins
     if on_existing is OnExisting.KEEP and os.path.lexists(home):
         _refuse_incomplete(home, chosen, maps)
+        announce_files(home, ())  # of a dry run: all of them stay
         maps = ()
     else:
         refuse_taken([home], force=on_existing is OnExisting.REPLACE, holds="package")

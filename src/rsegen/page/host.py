@@ -12,6 +12,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -123,6 +124,27 @@ MOST_DOCUMENTS = 100
 
 
 @dataclass(eq=False, kw_only=True)
+class Asker:
+    """The page that a call is of, by the name that it gave itself, and whether it has gone before it was answered."""
+
+    page: str = ""
+    has_left: bool = False
+
+
+_ASKER: ContextVar[Asker | None] = ContextVar("who asked for what is done", default=None)
+
+
+@contextmanager
+def asked_by(asker: Asker) -> Iterator[None]:
+    """Let searches inside belong to a page, and end if it has gone."""
+    token = _ASKER.set(asker)
+    try:
+        yield
+    finally:
+        _ASKER.reset(token)
+
+
+@dataclass(eq=False, kw_only=True)
 class Listener:
     """A page that hears the events of a document; send: called with each, from any thread."""
 
@@ -139,8 +161,8 @@ class Opened:
     """A document that pages have open.
 
     shown: the map that each page shows, by the name that the page gave itself; kept: what was made of its maps, by
-    keys; searches: the newest request of each search, by its name; data_set: that it is a map of, if it is one; what:
-    by which it was opened, and is again after a restart; home: the folder of the host
+    keys; searches: the newest request of each search of each page, by both names; data_set: that it is a map of, if it
+    is one; what: by which it was opened, and is again after a restart; home: the folder of the host
     """
 
     id: str
@@ -151,7 +173,7 @@ class Opened:
     lock: RLock = field(default_factory=RLock)
     shown: dict[str, int] = field(default_factory=dict)
     kept: OrderedDict[object, Any] = field(default_factory=OrderedDict)
-    searches: dict[str, object] = field(default_factory=dict)
+    searches: dict[tuple[str, str], object] = field(default_factory=dict)
     _turns: dict[str, Lock] = field(default_factory=dict)
     _listeners: list[Listener] = field(default_factory=list)
 
@@ -183,19 +205,20 @@ class Opened:
         self.send_state("")
 
     def remove(self, listener: Listener) -> None:
-        """Send no more events to a page, and say to the others how many are left; after the last, end its searches."""
+        """Send no more events to a page, end its searches, and say to the others how many are left."""
         if listener in self._listeners:
             self._listeners.remove(listener)
         if listener.page not in {other.page for other in self._listeners}:
             self.shown.pop(listener.page, None)
-        if not self._listeners:
-            self.searches.clear()
+            for search in [search for search in (*self.searches,) if search[1] == listener.page]:
+                self.searches.pop(search, None)
         self.send_state("")
 
-    def send(self, event: Event) -> None:
-        """Send an event to every page of the document; may be called in any thread."""
+    def send(self, event: Event, page: str = "") -> None:
+        """Send an event to every page of the document, or to one alone; may be called in any thread."""
         for listener in (*self._listeners,):
-            listener.send(event)
+            if page in ("", listener.page):
+                listener.send(event)
 
     def send_state(self, page: str) -> None:
         """Send the state to every page, each with the ends in the map that it shows; page: which one changed it."""
@@ -208,26 +231,36 @@ class Opened:
 
     @contextmanager
     def newest_turn(self, name: Search) -> Iterator[Callable[..., None]]:
-        """Wait until no search of this name is done; a UserError for a request that a newer one replaced.
+        """Wait until no search of this name is done; a UserError for a request that a newer one of its page replaced.
 
-        So of those that wait the newest alone is done. Yields a function for what takes seconds to call now and then,
-        with the share that is done if pages shall see it: it raises that error too.
+        So of those that wait the newest of each page alone is done, and none whose page has gone. Yields a function for
+        what takes seconds to call now and then, with the share that is done if the page shall see it: it raises that
+        error too.
         """
-        self.searches[name] = own = object()
+        asker = _ASKER.get() or Asker()
+        self.searches[name, asker.page] = own = object()
         last_sent = 0.0
 
         def watch(share: float | None = None) -> None:
             nonlocal last_sent
-            if self.searches.get(name) is not own:
+            if asker.has_left or self.searches.get((name, asker.page)) is not own:
                 raise UserError("it was stopped, or a newer request replaced it")
             if share is not None and time.monotonic() - last_sent > _SENT_EVERY:
                 last_sent = time.monotonic()
-                self.send({"event": "progress", "of": name, "share": share})
+                self.send({"event": "progress", "of": name, "share": share}, asker.page)
 
-        # Who waited here and is no longer the newest is refused before it starts.
-        with self._turns.setdefault(name, Lock()):
-            watch()
-            yield watch
+        try:
+            # Who waited here and is no longer the newest is refused before it starts.
+            with self._turns.setdefault(name, Lock()):
+                watch()
+                yield watch
+        finally:
+            if self.searches.get((name, asker.page)) is own:
+                del self.searches[name, asker.page]
+
+    def stop_search(self, name: Search) -> None:
+        """Stop the search of a name that is done for the page that asks."""
+        self.searches.pop((name, (_ASKER.get() or Asker()).page), None)
 
     def index_of(self, page: str, given: int | None = None, *, or_first: bool = False) -> int:
         """Return the map that a page shows, remembered if it is given; the first one if nothing is known.

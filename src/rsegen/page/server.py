@@ -34,7 +34,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rsegen.errors import FileError, ParameterError, RsegenError, library_message, line_of, shown, system_message
 from rsegen.page import calls
-from rsegen.page.host import Event, Host, Listener, Opened
+from rsegen.page.host import Asker, Event, Host, Listener, Opened, asked_by
 from rsegen.page.manual import manual_page
 from rsegen.page.shown_map import editor_page, policy
 
@@ -289,9 +289,16 @@ class Desk:
             self.door = None
 
     async def call(self, request: Request) -> Response:
-        """Answer a call, in a thread."""
+        """Answer a call, in a thread; a search ends if its page has gone meanwhile."""
         arguments = await self._arguments(request)
-        return Answer(await run_in_threadpool(answer, self.host, request.path_params["name"], arguments))
+        page = arguments.get("page", "")
+        asker = Asker(page=page if isinstance(page, str) else "")
+        leaving = asyncio.create_task(_watch_leaving(request, asker))
+        try:
+            with asked_by(asker):  # also in the thread, which has a copy of the context
+                return Answer(await run_in_threadpool(answer, self.host, request.path_params["name"], arguments))
+        finally:
+            leaving.cancel()
 
     async def events(self, request: Request) -> Response:
         """Stream the events of a document, a line each, as long as the page is open."""
@@ -371,6 +378,13 @@ class Desk:
         given = request.headers.get("authorization", "")
         if not secrets.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
             raise Refused(403, "the token is wrong: open the address that rsegen gui printed last")
+
+
+async def _watch_leaving(request: Request, asker: Asker) -> None:
+    """Note when a page ends the connection of a call whose body was read."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+    asker.has_left = True
 
 
 def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:

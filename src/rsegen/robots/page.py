@@ -69,8 +69,8 @@ def robot_of_page(host: Host, robot: str) -> DrivableRobot:
 
 @call_of_host
 def stop(host: Host, *, doc: str, of: Search) -> None:
-    """Stop a search that is done for a document."""
-    host.opened(doc).searches.pop(of, None)
+    """Stop a search that is done for a page of a document."""
+    host.opened(doc).stop_search(of)
 
 
 class DrawnPart(TypedDict):
@@ -414,9 +414,10 @@ def way(  # noqa: PLR0913  # each is named by the page
         _refuse_unplaced(x=place[0], y=place[1])
     with host.opened(doc).newest_turn("way") as watch:
         opened, recipe, field = _map(host, doc, index)
-        body = robot_of_page(host, robot).body
+        known = robot_of_page(host, robot)  # as its file is now
         # A lattice takes seconds, and answers for every start and goal on the map.
-        planner = cached(opened, ("planner", recipe, index, robot, best), lambda: Planner(Lattice(field, body, best)))
+        key = ("planner", recipe, index, known, best)
+        planner = cached(opened, key, lambda: Planner(Lattice(field, known.body, best)))
         planner.lattice.watch = watch
         route = planner.between(start, goal)
     if route is None:

@@ -19,9 +19,11 @@ from rsegen.params.command import Shell, add_flags
 from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 
 if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
     from rsegen.robots.base import Robot
     from rsegen.robots.lookup import DrivableRobot
     from rsegen.robots.sdf_file import SdfRobot
+    from rsegen.standing.body import CollisionPart
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,8 +53,9 @@ class _Picture:
 def add_robot(command: Parser) -> None:
     """Add the arguments of `rsegen robot`."""
     command.explain(
-        "List the robots of rsegen; or print the mass, size, wheels, speed, friction and motors of one of them or of "
-        "your own file, with the source of each figure, what was assumed, and what is left out.",
+        "List the robots of rsegen; or print the mass, size, wheels, speed, friction, motors, front, balance, supports "
+        "and clearance of one of them or of your own file, with the source of each figure, what was assumed, and what "
+        "is left out.",
         "rsegen drive, metrics, predict and all other commands accept the same robots.",
     )
     text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
@@ -207,6 +210,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
         ("turn rate", f"{robot.turn:.4g} rad/s"),
     ):
         yield Figure(name=name, value=value, origin=robot.source)
+    yield from (replace(figure, origin=robot.source) for figure in _of_stance(robot))
 
 
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
@@ -219,9 +223,10 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
     masses = inertials(frames)
     bare = links_by_default(frames)
-    usual = f"; 1 kg each, as SDF has it, for {len(bare)} without a mass" if bare else ""
+    origins = [f"the <inertial> of {_links(len(masses) - len(bare))}"] if len(masses) > len(bare) else []
+    origins += [f"1 kg each, as SDF has it, for {_links(len(bare))} without a mass"] if bare else []
     mass = sum(body.mass for body in masses.values())
-    yield Figure(name="mass", value=f"{mass:.4g} kg", origin=f"the <inertial> of {len(masses)} links{usual}")
+    yield Figure(name="mass", value=f"{mass:.4g} kg", origin="; ".join(origins))
     kinds: dict[str, int] = {}
     for _, _, geometry in frames.collisions():
         kinds[geometry[0].tag] = kinds.get(geometry[0].tag, 0) + 1
@@ -250,11 +255,69 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
         where = " and ".join(dict.fromkeys(origin for _, origin in motors))
         uses = "" if all(torque for torque, _ in motors) else ": in MuJoCo only friction limits its push"
         yield Figure(name="motor", value=value, origin=f"{where}{uses}")
+    else:
+        yield Figure(
+            name="motor", value="no limit", origin="no torque of tracks is read: only friction limits its push"
+        )
     mu = sorted({*frictions(drive, frames)})
     acting = dict.fromkeys(min(value, 1.0) for value in (*mu[:1], *mu[-1:]))
     limits = " to ".join(f"{value:g}" for value in acting) or "none"
     more = f"; {mu[-1]:g} acts as 1, as blocks have no more" if mu and mu[-1] > 1 else ""
-    yield Figure(name="friction", value=limits, origin=f"<mu> of what it drives on, 1 if missing{more}")
+    origin = f"<mu> of what it drives on, 1 if missing{more}" if mu else "what it drives on has no collision shapes"
+    yield Figure(name="friction", value=limits, origin=origin)
+    if mu and "size" in robot.derived:
+        yield from _of_stance(robot)
+
+
+def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
+    """Yield the figures of a robot on level ground: its front and balance, and what else touches the ground, or may."""
+    import numpy as np
+
+    from rsegen.robots.drivable import some_of
+    from rsegen.standing.stance import stance
+
+    body = robot.body
+    on_level, driven = stance(body), np.array([part.drives for part in body.parts])
+    lengths = [surface[:, 0] for surface in body.by_part(body.surface)]  # of each part, along x
+    middle = _middle(np.concatenate([x for x, drives in zip(lengths, driven, strict=True) if drives]))
+    yield Figure(name="front", value="along x of its model", origin="as in ROS and Gazebo")
+    balance = f"{_ahead(body.centre[0] - middle)}, {body.centre[2]:.3f} m high"
+    yield Figure(name="balance", value=balance, origin="its centre of mass, from the middle of what it drives on")
+    supports = np.flatnonzero(on_level.bearing & ~driven)
+    names = [f"{_named(body.parts[at])} {_ahead(_middle(lengths[at]) - middle)}" for at in supports]
+    mu = sorted({body.parts[at].mu for at in supports})
+    slides = f"; friction {' to '.join(f'{value:g}' for value in (*mu[:1], *mu[1:][-1:]))}" if mu else ""
+    origin = f"what nothing drives, and touches level ground{slides}"
+    yield Figure(name="supports", value=some_of(names) or "none", origin=origin)
+    hanging = np.where(driven | on_level.bearing, np.inf, on_level.heights)
+    lowest = int(hanging.argmin())
+    if np.isfinite(hanging[lowest]):
+        origin = f"the lowest of all else above level ground, {_named(body.parts[lowest])}"
+        yield Figure(name="clearance", value=f"{hanging[lowest]:.3f} m", origin=origin)
+    if not on_level.pose.stands[0]:
+        yield Figure(name="stands", value="no", origin="on level ground it tips over, as its centre of mass is outside")
+
+
+def _middle(values: Array) -> float:
+    """Return the middle between the least and the largest of values."""
+    return float(values.min() + values.max()) / 2
+
+
+def _ahead(metres: float) -> str:
+    """Return how far ahead or behind a place is, in words."""
+    return f"{abs(metres):.3f} m {'behind' if metres < 0 else 'ahead'}"
+
+
+def _named(part: CollisionPart) -> str:
+    """Return the name of a part, of one of a link that was lumped into another one that of its link."""
+    from rsegen.robots.urdf import LUMPED
+
+    lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part.name)
+    return lumped[1] if lumped else part.name
+
+
+def _links(count: int) -> str:
+    return f"{count} link{'' if count == 1 else 's'}"
 
 
 def _remarks(robot: SdfRobot) -> Iterator[str]:

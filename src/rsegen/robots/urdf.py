@@ -346,10 +346,14 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
             link.extend([_placed(element, place, source.where) for element in elements])
 
 
+LUMPED = "_fixed_joint_lump__"
+"""Before the name of a shape, after that of a link, if a fixed joint attaches the shape's own link, as in Gazebo."""
+
+
 def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) -> Element:
     """Return a <collision> or <visual> of a link of URDF, which is at a place, (4, 4), in the link `head` of SDF."""
     here = f"{source.where}: link {shown(name)}: a <{shape.tag}>"
-    lump = f"{head}_fixed_joint_lump__" if name != head or shape.get("name") else ""
+    lump = f"{head}{LUMPED}" if name != head or shape.get("name") else ""
     made = Element(shape.tag, name=f"{lump}{shape.get('name') or name}_{shape.tag}")
     put(made, "pose", pose_text(place @ _origin(shape, here)))
     made.append(_geometry(shape.find("geometry"), here))

@@ -44,7 +44,7 @@ class Ros2(Format):
         str | None,
         Text(
             "[a-z](_?[a-z0-9])+",
-            "small letters, digits and single underscores, a letter first",
+            "two or more small letters, digits and single underscores, a letter first",
             help="name of one package with all maps; default: a package for each map, named after it",
         ),
     ] = None

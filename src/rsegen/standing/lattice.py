@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 
@@ -65,6 +66,9 @@ _FEW_STEPS = 30
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
+
+_TOLD_EVERY = 20_000
+"""Places that a search looks at until it is told how far it is, and may be ended: a fifth of a second."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -302,7 +306,11 @@ class Lattice:
         known, hoped = np.where(self.turns, self.worst_of_turns, np.inf), np.maximum(least, np.roll(least, -1, axis=2))
         turns, ahead = np.where(self.is_turned, known, hoped).ravel().tolist(), leads_to.tolist()
 
+        looked_at = count(1)
+
         def onward(at: int) -> Iterator[tuple[int, float, float]]:
+            if not next(looked_at) % _TOLD_EVERY:
+                self.tell(0.0)
             k = at % HEADINGS
             to_left, to_right = at + 1 - HEADINGS * (k == HEADINGS - 1), at - 1 + HEADINGS * (k == 0)
             if moves[at] < np.inf:

@@ -17,7 +17,8 @@ from rsegen.standing.lanes import drive_lanes
 from rsegen.standing.outlines import EXACT
 from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
-from rsegen.standing.settling import Settled, outer_radius, settle, settled_on_level
+from rsegen.standing.settling import Settled, outer_radius, settle
+from rsegen.standing.stance import stance_on
 
 _SPARE = 0.002
 """Metres that stay free below all that does not bear the robot on level ground: a TurtleBot3's wheel sinks 1 mm into
@@ -125,14 +126,12 @@ class SpotJudge:
         frame = np.pad(field.frame, self.ground.border).ravel()
         self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
         # All else follows from how it stands on level ground.
-        level, rest = settled_on_level(self.ground, body)
-        pose = of_settled(level, body, rest)
-        _, above = sample_heights(level, body, rest, np.zeros(1, np.intp))
-        bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])
+        stance = stance_on(self.ground, body)
+        pose = stance.pose
         self.feet = np.unique(np.nan_to_num(pose.support[0, :, :2]), axis=0)
         self.level = tan(most_tilt) * float(np.ptp(self.feet, axis=0).max()) + TOUCHING
         self.coarse = _coarse(body, max(field.block_width / 2, body.length / _BINS))
-        self.hanging = np.flatnonzero(~body.drives & ~bearing[body.part])
+        self.hanging = np.flatnonzero(~body.drives & ~stance.bearing[body.part])
         self.sunk = max(-float(self.coarse[:, 2].min()), 0.0)
         cells = int(np.ceil(np.linalg.norm(body.points[:, :2], axis=1).max() / field.block_width)) + 1
         self.lowest, self.highest = (_extreme(self.blocks, cells, best) for best in (np.minimum, np.maximum))

@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 from rsegen.errors import OutputError
 from rsegen.input_files import JOURNAL
 from rsegen.writing.store import NOTES, Store, refuse_taken, refuse_unit
+from rsegen.writing.undo import refuse_dangling
 
 FATES = ("write", "replace", "remove", "keep")
 
@@ -54,7 +55,8 @@ class Notes:
     @contextmanager
     def store(self, folder: Path, *, output: Path | None = None, is_whole: bool = False) -> Iterator[Store]:
         """Open a folder whose files are noted; an OutputError, about `output`, if nothing may be written there."""
-        above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        above = next(path for path in (folder, *folder.absolute().parents) if os.path.lexists(path))
+        refuse_dangling(above)
         if not above.is_dir() or not os.access(above, os.W_OK):
             problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
             raise OutputError(f"{output or folder}: cannot be written: {problem}")
@@ -127,6 +129,7 @@ def announce_files(folder: Path, names: Iterable[str], *, kept: Iterable[str] = 
     if (noted := NOTES.get()) is None:
         return
     stay = frozenset(kept)
-    noted.put(folder, [name for name in names if name not in stay])
+    if new := [name for name in names if name not in stay]:
+        noted.put(folder, new)
     noted.rest(folder, "remove" if is_whole else "keep")
     raise _Ended

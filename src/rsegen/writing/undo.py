@@ -131,6 +131,12 @@ _MOST = 8
 _CHANGED = "was changed while a run replaced it, which could not put it back; the changed one lies in"
 
 
+def refuse_dangling(place: Path) -> None:
+    """Raise an OutputError for a link that leads nowhere: no folder is made where it leads."""
+    if place.is_symlink() and not place.exists():
+        raise OutputError(f"{place}: is a link to {os.readlink(place)}, which does not exist; make that folder first")
+
+
 def make_folder(folder: Path, undo: ExitStack) -> None:
     """Make a folder, and those above it, and let `undo` remove those that are still empty."""
     missing = []
@@ -142,6 +148,7 @@ def make_folder(folder: Path, undo: ExitStack) -> None:
         except (FileNotFoundError, NotADirectoryError):
             missing.append(place)
         else:
+            refuse_dangling(place)
             raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(place))
     for place in reversed(missing):
         place.mkdir()

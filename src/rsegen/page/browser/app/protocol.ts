@@ -610,7 +610,7 @@ export interface Calls {
   show_folder: { args: { path: string }; result: ShownFolder };
   /* Return all that pages show of a document; index: the map that the page shows. */
   state: { args: { doc: string; page?: string; index?: number | null }; result: State };
-  /* Stop a search that is done for a document. */
+  /* Stop a search that is done for a page of a document. */
   stop: { args: { doc: string; of: "tilt" | "reach" | "crossing" | "way" | "measure" | "variants" }; result: null };
   /* Return the document as the text of its file, as Python, and as a command line. */
   texts: { args: { doc: string }; result: Texts };

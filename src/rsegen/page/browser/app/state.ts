@@ -440,11 +440,11 @@ export async function wayPoint(x: number, y: number, best: Calls["way"]["args"][
 }
 
 /* What is known of a robot on a map does not hold for another map. */
-let drawnFor: number | undefined = -1;
+let drawnFor = "";
 effect(() => {
-  const revision = scene.value?.revision;
-  if (revision !== drawnFor) forgetRobot();
-  drawnFor = revision;
+  const drawn = scene.value ? nameOf(scene.value) : "";
+  if (drawn !== drawnFor) forgetRobot();
+  drawnFor = drawn;
 });
 
 /* ---- the start */
