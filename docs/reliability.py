@@ -17,19 +17,20 @@ def table() -> Iterator[str]:
     """The last results as lines of Markdown."""
     crash = _loaded(CRASH)
     disks, experiments = crash["disks"], crash["experiments"]
-    yield "| trial | seed | tried | failed |"
-    yield "|---|---|---|---|"
+    yield "| trial | date | seed | tried | failed |"
+    yield "|---|---|---|---|---|"
     for fuzz in _loaded(FUZZ):
         family = fuzz.get("family", "all")
         command = "`make fuzz`" if family == "all" else f"`python -m tests.fuzz --family {family}`"
-        yield f"| {command} | {fuzz['seed']} | {fuzz['cases']:,} {_CASES[family]} | {fuzz['fail']} |"
-    for seed in dict.fromkeys(disk["seed"] for disk in disks.values()):
-        those = {name: disk for name, disk in disks.items() if disk["seed"] == seed}
-        tried, failed = (_sum(those.values(), what) for what in ("tried", "failed"))
-        commands = max(disk["commands"] for disk in those.values())
-        yield f"| `make crash` | {seed} | {tried:,} trials of {commands} commands on {len(those)} disks | {failed} |"
-    kills = f"{experiments['tried']} kills of an experiment in Gazebo"
-    yield f"| `python -m tests.crash --experiments` | {experiments['seed']} | {kills} | {experiments['failed']} |"
+        cells = fuzz["date"], f"{fuzz['seed']}", f"{fuzz['cases']:,} {_CASES[family]}", f"{fuzz['fail']}"
+        yield f"| {command} | {' | '.join(cells)} |"
+    for date, seed in dict.fromkeys((disk["date"], disk["seed"]) for disk in disks.values()):
+        those = [disk for disk in disks.values() if (disk["date"], disk["seed"]) == (date, seed)]
+        tried, failed = (_sum(those, what) for what in ("tried", "failed"))
+        what = f"{tried:,} trials of {max(disk['commands'] for disk in those)} commands on {len(those)} disks"
+        yield f"| `make crash` | {date} | {seed} | {what} | {failed} |"
+    kills = f"{experiments['tried']} kills of an experiment in Gazebo | {experiments['failed']}"
+    yield f"| `python -m tests.crash --experiments` | {experiments['date']} | {experiments['seed']} | {kills} |"
     yield "\nTrials of `make crash` by what happens, and by disk (failed / tried):\n"
     yield from _by_disk(disks)
     yield from (f"\nNot tried on {disk}: {why}." for disk, why in crash["skipped"].items() if disk not in disks)

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from docs.records import today
 from tests.crash.commands import RUNS
 from tests.crash.disks import DISKS, NotMounted
 from tests.crash.experiment import experiment_killed, has_simulator
@@ -41,9 +42,8 @@ def main() -> int:
     if arguments.record:
         _record(arguments.record, arguments.seed, tried, skipped)
         if experiments:
-            _update(
-                arguments.record, "experiments", {"seed": arguments.seed, "tried": experiments, "failed": len(lost)}
-            )
+            kills = {"seed": arguments.seed, "tried": experiments, "failed": len(lost)}
+            _update(arguments.record, "experiments", {"date": today(), **kills})
     return bool(problems)
 
 
@@ -75,7 +75,7 @@ def _record(file: Path, seed: int, tried: Sequence[Tried], skipped: Mapping[str,
             count["tried"] += 1
             count["failed"] += bool(each.problems)
         commands = len({run.name.split()[0].strip(",") for run in RUNS})
-        made = {"seed": seed, "commands": commands, "counts": counts}
+        made = {"date": today(), "seed": seed, "commands": commands, "counts": counts}
         _update(file, "disks", {disk: made})
     _update(file, "skipped", skipped)
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+from docs.records import today
 from tests.fuzz.case import read_case
 
 CORPUS = Path(__file__).parent / "corpus"
@@ -35,7 +36,7 @@ def run(numbers: range, seed: int, processes: int, family: str | None, record: P
         part.result()
     report.end()
     if record:
-        found = {"python": platform.python_version(), "family": family or "all", "seed": seed}
+        found = {"date": today(), "python": platform.python_version(), "family": family or "all", "seed": seed}
         found |= {"cases": report.done, "fail": report.sorts.total()}
         before = json.loads(record.read_text("utf-8")) if record.exists() else []
         record.write_text(json.dumps([*before, found], indent=2) + "\n", "utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from docs.records import today
 from rsegen import StepField
 from tests.fuzz import fields, pages
 from tests.fuzz.case import Case, Content, Special, read_case
@@ -46,11 +48,15 @@ def test_no_hostile_input_breaks_a_command() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["page", "field"])
 @pytest.mark.long(reason="by its command; make test has the same in its own process")
-def test_no_conversation_breaks_the_page_and_no_field_is_found_wrong(family: str) -> None:
-    code, said = fuzz("--cases", 1, "--family", family)
+def test_no_conversation_breaks_the_page_and_no_field_is_found_wrong(family: str, tmp_path: Path) -> None:
+    record, first_day = tmp_path / "fuzz.json", today()
+    code, said = fuzz("--cases", 1, "--family", family, "--record", record)
     print(said)  # noqa: T201  # the seed
     assert code == 0, said
     assert said.splitlines()[-1].startswith("0 of 1 cases fail, seed ")
+    (result,) = json.loads(record.read_text("utf-8"))
+    assert (result["family"], result["cases"], result["fail"]) == (family, 1, 0)
+    assert result["date"] in {first_day, today()}  # midnight may pass
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ from rsegen.writing.dry import dry_run
 from rsegen.writing.journal import verify
 from rsegen.writing.store import (
     Store,
+    continued,
     new_root,
     open_store,
     replacing,
@@ -358,6 +359,29 @@ def test_a_folder_is_replaced_in_one_swap_by_a_run_that_goes_on(tmp_path: Path) 
         store.put({"d": [b"new"]})
     assert contents(tmp_path / "set").keys() == {"c", "d", JOURNAL}
     assert [path.name for path in tmp_path.iterdir()] == ["set"]
+
+
+def test_a_folder_that_lies_aside_when_its_replacement_is_killed_is_not_taken_for_a_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, new = tmp_path / "sets" / "set", tmp_path / "new"
+    made(folder, "old", "a")
+    made(new, "new", "b")
+    old = contents(folder)
+
+    def put_new(store: Store) -> None:
+        shutil.copytree(new, store.staging / "set")
+        store.put_folder(store.staging / "set", "set", "data set", force=True)
+
+    assert replaced_until(folder.parent, monkeypatch, 1, put_new)
+    assert not folder.exists()
+    with (
+        pytest.raises(OutputError, match="has another"),
+        continued(folder, "data set", "third", (), force=False, other="another"),
+    ):
+        pass
+    assert contents(folder) == old
+    assert [path.name for path in folder.parent.iterdir()] == ["set"]
 
 
 def test_another_replacement_begins_anew(tmp_path: Path) -> None:

@@ -137,9 +137,11 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
     from rsegen.recipe.recipe import as_recipes
     from rsegen.writing.execute import Execution
     from rsegen.writing.plan import OnExisting
+    from rsegen.writing.store import put_back_whole
 
     layout = ShardLayout(recipes=as_recipes(recipe), shard_maps=shard_maps, metrics=metrics)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
+    put_back_whole(Path(folder))
     plan = plan_dataset(layout, Path(folder), OnExisting.of(force=force, resume=resume), execution)
     return make_shards(plan, progress)
 

@@ -33,6 +33,7 @@ from rsegen.writing.journal import (
     HIDDEN,
     Journal,
     OpenJournal,
+    asides,
     is_empty,
     is_intact,
     journal_text,
@@ -379,6 +380,7 @@ def continued(  # what it holds, what of, and what may be done with another one
     values, and advice. Raises an OutputError for such a folder, for other files, and if another run is writing there.
     """
     # Three cases: replace another result, refuse other files, or go on with what was begun.
+    put_back_whole(folder)
     refuse_busy(folder)
     journal = read_journal(folder)
     if force and journal:
@@ -395,6 +397,18 @@ def continued(  # what it holds, what of, and what may be done with another one
     with open_store(folder) as store:
         store.journal.begin(holds, of)
         yield store
+
+
+def put_back_whole(folder: Path) -> None:
+    """Put back a folder that a killed run moved aside to replace it as a whole: else a run would take it for a new one.
+
+    Only a disk that cannot exchange two names has such a folder. Nothing is written in a dry run.
+    """
+    real = folder.resolve()
+    if NOTES.get() or os.path.lexists(real) or all(place != real for _, place in asides(real.parent)):
+        return
+    with open_store(real.parent, wait=PATIENCE, output=folder):
+        pass  # that puts it back
 
 
 def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
