@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from glob import glob
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
@@ -672,7 +673,8 @@ def test_the_line_of_a_form_takes_negative_numbers(page: Page) -> None:
 def test_what_is_named_after_a_question_is_not_replaced(page: Page, folder: Path) -> None:
     for output in ("first", "second"):
         page.js("return state.ask('run', { command: 'generate', values: {}, output: arguments[0] })", output)
-        until(lambda: [*(folder / output).glob("*/*.world")])  # noqa: B023  # in this turn
+        # Path.glob fails where it looks into .rsegen just as that is removed; this does not look into it.
+        until(partial(glob, f"{folder}/{output}/*/*.world"))
     (world,) = (folder / "second").glob("*/*.world")
     before = world.stat().st_mtime_ns
     fill_form(page, "generate")
