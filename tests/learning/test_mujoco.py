@@ -124,6 +124,7 @@ def test_arrays_of_many_maps_equal_the_arrays_of_each_map() -> None:
     for array in (grid.pos, grid.size, grid.rgba, grid.friction):
         assert array(many).shape[:2] == (3, 72)
         assert np.array_equal(array(many)[2], array(many[2]))
+        assert array(many[:0]).shape == (0, *array(many).shape[1:])
     assert grid.rgba(np.ones(grid.shape, dtype=int))[0].tolist() == [1, 0, 0, 1]
 
 

@@ -102,4 +102,5 @@ class BlockArrays:
 
 def _rows(values: Array) -> Array:
     """Return values with an axis of blocks in place of the two axes of cells."""
-    return values.reshape(*values.shape[:-3], -1, values.shape[-1])
+    *many, n_x, n_y, numbers = values.shape  # not -1 for the blocks, as there may be no maps
+    return values.reshape(*many, n_x * n_y, numbers)
