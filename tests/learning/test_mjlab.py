@@ -167,7 +167,7 @@ def test_a_height_field_has_the_heights_of_the_boxes(mjlab: Any) -> None:
 
 @pytest.mark.parametrize("shape", ["boxes", "hfield"])
 def test_the_origin_is_above_all_ground_within_the_spawn_radius(mjlab: Any, shape: str) -> None:
-    for radius in (0.0, 0.25, 0.4, 0.8):
+    for radius in (0.0, 0.1, 0.15, 0.2, 0.25, 0.8):
         own = {"recipe": replace(RECIPE, level_friction=None), "shape": shape, "spawn_radius": radius}
         model, state, generator = _compiled(mjlab, own, curriculum=False)
         for x, y, z in generator.terrain_origins.reshape(-1, 3):

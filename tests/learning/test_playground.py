@@ -65,6 +65,16 @@ def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: 
     assert np.array_equal(again.hfield_data, first)
 
 
+def test_no_slope_reaches_above_the_top_near_the_middle() -> None:
+    floor = adapter.Floor(RECIPE, spawn_radius=0.1)
+    model = mujoco.MjModel.from_xml_string(floor.scene(PLANE))
+    maps = rsegen.build_many(RECIPE, range(10))
+    along = np.linspace(-0.1, 0.1, 21) + 1e-4
+    for data, z in zip(*floor.arrays(maps), strict=True):
+        model.hfield_data[:], model.geom("floor").pos[2] = data, z
+        assert from_above(model, along[:-1], along[:-1]).max() <= 1e-6
+
+
 def depths_in_mujoco(model: Any, qpos: Any, hfield: Any, z: Any) -> dict[str, tuple[float, Any]]:
     """Depth of each foot in the floor of a world, metres, and where it touches it, as MuJoCo finds it."""
     own = copy(model)
