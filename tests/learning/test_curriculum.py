@@ -28,6 +28,14 @@ def test_robots_that_solved_the_last_row_are_spread_over_all_rows() -> None:
     assert np.array_equal(after, next_rows(last, far, far, count=10, length=8.0, rng=np.random.default_rng(1)))
 
 
+@pytest.mark.parametrize("kind", ["int8", "uint8", "int64", "uint32"])
+def test_robots_stay_in_the_first_row_whatever_sort_of_integers_rows_are(kind: str) -> None:
+    first = np.zeros(50, dtype=kind)
+    after = next_rows(first, 0 * first, 1.0, count=10, length=8.0, rng=np.random.default_rng(1))
+    assert (after == 0).all()
+    assert after.dtype == kind
+
+
 @pytest.mark.parametrize("name", ["torch", "jax.numpy"])
 def test_torch_and_jax_agree_with_numpy(name: str) -> None:
     library = pytest.importorskip(name, reason=f"{name} is not installed")

@@ -149,6 +149,26 @@ def test_a_copy_for_another_process_is_the_same_ground(ground: Ground) -> None:
         assert ground.levels.any()
 
 
+def test_points_of_half_precision_are_where_those_of_double_precision_are() -> None:
+    points = _points(2000).astype(np.float16)
+    assert np.array_equal(GROUND.heights(points), GROUND.heights(points.astype(float)))
+    assert GROUND.heights(points).dtype == float
+
+
+@pytest.mark.parametrize("name", ["torch", "jax.numpy"])
+def test_a_ground_on_a_device_is_copied_for_another_process(name: str) -> None:
+    library = pytest.importorskip(name, reason=f"{name} is not installed")
+    points = library.asarray(_points(20).astype(np.float32))
+    ground = Ground(RECIPE, library.asarray(LEVELS), POS)
+    for again in (pickle.loads(pickle.dumps(ground)), deepcopy(ground)):  # noqa: S301  # our own
+        assert np.array_equal(np.asarray(again.heights(points)), np.asarray(ground.heights(points)))
+
+
+def test_levels_of_jax_are_of_any_sort_of_integers() -> None:
+    jnp = pytest.importorskip("jax.numpy", reason="jax is not installed")
+    assert np.array_equal(np.asarray(Ground(RECIPE, jnp.asarray(LEVELS, dtype="int32"), POS).levels), LEVELS)
+
+
 def test_a_lifted_robot_touches_the_ground_with_its_lowest_foot() -> None:
     feet = np.concatenate([_points(4), np.random.default_rng(3).uniform(0, 2, (WORLDS, 4, 1))], axis=-1)
     feet[..., 2] += GROUND.lift(feet, 0.03)[:, None]
@@ -196,6 +216,9 @@ def test_written_maps_are_in_their_worlds_alone() -> None:
     assert np.array_equal(ground.heights(points[:2], worlds=[4, 1]), Ground(RECIPE, new, POS).heights(points[:2]))
     assert np.array_equal(ground.field(4).heights, rsegen.build(RECIPE, 100).heights)
     ground.write(LEVELS)
+    assert np.array_equal(ground.levels, LEVELS)
+    ground.write(LEVELS[:0], worlds=[])  # no robot begins anew
+    ground.write(LEVELS[3:5], worlds=range(3, 5))
     assert np.array_equal(ground.levels, LEVELS)
 
 
@@ -286,6 +309,10 @@ def test_arrays_of_warp_are_viewed() -> None:
         (lambda: GROUND.highest(np.zeros((5, 2)), -0.1), "radius: -0.1 m; use 0 or more"),
         (lambda: GROUND.highest(np.zeros((5, 2)), np.nan), "radius: nan m; use 0 or more"),
         (lambda: GROUND.highest(np.zeros((5, 2)), np.array([0.1, np.inf])), "radius: inf m; use 0 or more"),
+        (
+            lambda: GROUND.scan(np.zeros((4, 2)), np.zeros((5, 7))),
+            r"poses: of shape \(5, 7\); expected \(..., 4\), of which",
+        ),
         (lambda: GROUND.scan([0.1, 0.2], np.zeros((5, 4))), r"pattern: of shape \(2,\); expected \(points, 2\)"),
         (lambda: GROUND.lift(np.zeros((5, 0, 3))), r"points: of shape \(5, 0, 3\); expected \(..., points, 3\)"),
         (lambda: GROUND.lift([0.0, 0.0, 1.0]), r"points: of shape \(3,\); expected \(..., points, 3\), one at"),

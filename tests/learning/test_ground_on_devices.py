@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Ground, Random, Recipe
+from rsegen import Ground, Random, Recipe, ScanSensor, next_rows
 from tests.support.late_import import LateImport
 
 jax = LateImport("jax", reason="jax is not installed")
@@ -119,6 +119,22 @@ def test_jax_maps_worlds_and_writes_maps_in_a_compiled_function() -> None:
     assert np.asarray(found) == pytest.approx(Ground(RECIPE, LEVELS, POS).lift(_feet(0), 0.03), abs=1e-5)
     found = written(jnp.asarray(LEVELS), jnp.asarray(OTHERS), jnp.asarray(SOME), jnp.asarray(_feet(1)))
     assert np.asarray(found) == pytest.approx(Ground(RECIPE, _changed(), POS).heights(_feet(1)), abs=1e-5)
+
+
+@pytest.mark.filterwarnings("ignore")  # torch's own
+def test_torch_compiles_new_starts_of_sensors_and_new_rows_as_one_graph() -> None:
+    # Before those that count: torch's compiler does not know functions that were replaced when it began.
+    sensor, ground, poses = ScanSensor(delay=1), Ground(RECIPE, torch.as_tensor(LEVELS), POS), torch.zeros((WORLDS, 4))
+    is_new, rows = torch.arange(WORLDS) > 2, torch.full((WORLDS,), 3)
+    old, fresh = sensor.start(ground, poses), sensor.start(ground, poses + 1)
+
+    def both(old: Any, fresh: Any, is_new: Any, rows: Any, walked: Any) -> Any:
+        return sensor.restart(old, is_new, fresh), next_rows(rows, walked, 1.0, count=9, length=2.0, rng=None)
+
+    torch.compiler.reset()
+    state, after = torch.compile(both, fullgraph=True, backend=_Traces())(old, fresh, is_new, rows, 2.0 * is_new)
+    assert np.array_equal(state.scans, sensor.restart(old, is_new, fresh).scans)
+    assert after.tolist() == [2, 2, 2, 4, 4]
 
 
 @contextmanager

@@ -124,6 +124,7 @@ def test_arrays_of_many_maps_equal_the_arrays_of_each_map() -> None:
     for array in (grid.pos, grid.size, grid.rgba, grid.friction):
         assert array(many).shape[:2] == (3, 72)
         assert np.array_equal(array(many)[2], array(many[2]))
+        assert array(many[:0]).shape == (0, *array(many).shape[1:])
     assert grid.rgba(np.ones(grid.shape, dtype=int))[0].tolist() == [1, 0, 0, 1]
 
 
@@ -150,11 +151,25 @@ def test_values_that_a_grid_cannot_hold_are_refused() -> None:
         adapter.BlockGrid(RECIPE).ground(np.zeros((2, 3, 3), dtype=int))
 
 
+@pytest.mark.parametrize("name", ["pos", "size", "rgba", "sliding", "friction"])
+def test_no_array_of_blocks_is_made_of_levels_that_are_none(name: str) -> None:
+    array = getattr(adapter.BlockGrid(RECIPE), name)
+    for levels, message in (
+        (np.full((6, 12), -1), r"levels: -1..-1 are not all in 0..5"),
+        (np.full((6, 12), 6), r"levels: 6..6 are not all in 0..5"),
+        (np.zeros((6, 12)), "levels: of float64; expected integers"),
+        (np.zeros((12, 6), dtype=int), r"levels: of shape \(12, 6\) for a grid of \(6, 12\)"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            array(levels)
+
+
 @pytest.mark.parametrize(
     ("made", "message"),
     [
         (lambda: adapter.BlockGrid("rubble"), "recipe: 'rubble' is not a recipe, which rsegen.load reads"),
         (lambda: adapter.BlockGrid(RECIPE, contact=3), "contact: 3 is not a Contact of rsegen.scene.contact"),
+        (lambda: adapter.BlockGrid(RECIPE).add_to(mujoco.MjSpec().compile()), "spec: .* is not a MjSpec of mujoco"),
         (lambda: adapter.add_map(mujoco.MjSpec(), RECIPE), "scene: .* is not a scene, which rsegen.compose makes"),
         (lambda: adapter.add_terrain(mujoco.MjSpec(), RECIPE), "terrain: .* is not a Terrain of rsegen.learning"),
         (lambda: Ground.of("rubble"), "scene: .* is not a scene, which rsegen.compose makes"),  # type: ignore[arg-type]

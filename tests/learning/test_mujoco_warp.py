@@ -138,12 +138,58 @@ def test_colours_match_the_levels(worlds: Any) -> None:
 
 def test_too_few_maps_are_refused(worlds: Any) -> None:
     *_, blocks = worlds
-    with pytest.raises(ParameterError, match="levels: 3 maps for 32 worlds; expected one for each"):
+    with pytest.raises(ParameterError, match=r"levels: of shape \(3, 4, 8\); expected \(32, 4, 8\)"):
         blocks.write(rsegen.build_many(RECIPE, range(3)))
     with pytest.raises(ParameterError, match=r"worlds: 1..32 are not all in 0..31"):
         blocks.write(rsegen.build_many(RECIPE, range(2)), worlds=[1, 32])
-    with pytest.raises(ParameterError, match="levels: 3 maps for 2 worlds"):
+    with pytest.raises(ParameterError, match=r"levels: of shape \(3, 4, 8\); expected \(2, 4, 8\)"):
         blocks.write(rsegen.build_many(RECIPE, range(3)), worlds=[0, 1])
+
+
+@pytest.mark.parametrize("given", [np.ones(WORLDS, dtype=bool), np.arange(WORLDS) / 2], ids=["a mask", "halves"])
+def test_worlds_that_are_no_indices_are_refused(worlds: Any, given: np.ndarray) -> None:
+    *_, blocks = worlds
+    with pytest.raises(ParameterError, match=r"worlds: array\(.*\) is not a list of indices of worlds"):
+        blocks.write(rsegen.build_many(RECIPE, range(WORLDS)), worlds=given)
+
+
+def test_no_worlds_begin_anew(worlds: Any) -> None:
+    model, _, blocks = worlds
+    levels = rsegen.build_many(RECIPE, range(WORLDS))
+    blocks.write(levels)
+    blocks.write(levels[:0], worlds=[])
+    assert np.allclose(model.geom_size.numpy()[:, :32], GRID.size(levels))
+
+
+def test_tensors_of_another_shape_are_refused_and_levels_kept_within_those_of_the_recipe(worlds: Any) -> None:
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
+    model, _, blocks = worlds
+    levels = torch.as_tensor(rsegen.build_many(RECIPE, range(WORLDS)))
+    blocks.write(levels)
+    for given in (levels[:1], levels[:3].reshape(3, 8, 4), levels[:3] * 0.5):
+        with pytest.raises(
+            ParameterError, match=r"levels: .* of shape .*; expected integers, .*, of shape \(3, 4, 8\)"
+        ):
+            blocks.write(given, torch.arange(3))
+    blocks.write(levels[:0], torch.arange(0))
+    assert np.allclose(model.geom_size.numpy()[:, :32], GRID.size(levels.numpy()))
+    blocks.write(levels[:2] * 0 + torch.tensor([-3, 9])[:, None, None], torch.arange(2))
+    assert np.allclose(
+        model.geom_size.numpy()[:2, :32], GRID.size(np.array([0, 5])[:, None, None] + 0 * levels[:2].numpy())
+    )
+
+
+def test_tensors_are_written_without_numbers_of_the_host(worlds: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
+    *_, blocks = worlds
+    levels, rows = torch.as_tensor(rsegen.build_many(RECIPE, range(3))), torch.arange(3)
+
+    def sent(*_: Any, **__: Any) -> Any:
+        raise AssertionError("numbers are sent to the device")
+
+    for owner, name in ((torch, "asarray"), (torch, "tensor"), (torch.Tensor, "new_tensor")):
+        monkeypatch.setattr(owner, name, sent)
+    blocks.write(levels, rows)
 
 
 def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them() -> None:

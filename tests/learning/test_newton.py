@@ -110,6 +110,8 @@ def test_blocks_change_in_a_finalized_model() -> None:
     after = model.shape_scale.numpy()
     assert np.array_equal(after[shapes[2]], before[shapes[0]])
     assert np.array_equal(after[shapes[:2]], before[shapes[:2]])
+    grid().write(model, levels[:0], shapes[:0])  # no world begins anew
+    assert np.array_equal(model.shape_scale.numpy(), after)
 
 
 def test_other_shapes_are_refused() -> None:

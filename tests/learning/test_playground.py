@@ -47,7 +47,7 @@ def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: 
     model = mujoco.MjModel.from_xml_string(floor.scene(PLANE))
     field, first = floor.field(rsegen.build(RECIPE).levels), model.hfield_data.copy()
     assert field.shape == (20 + 2 * border, 20 + 2 * border)
-    near = field.heights[border + 7 : border + 13, border + 7 : border + 13]
+    near = field.heights[border + 6 : border + 14, border + 6 : border + 14]  # with those that slope into 0.3 m
     assert len(np.unique(near)) == 5
     assert from_above(model, *field.middles()) == pytest.approx(field.heights - near.max(), abs=1e-6)
     assert model.geom("floor").friction[0] == RECIPE.friction
@@ -63,6 +63,16 @@ def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: 
     again = mujoco.MjModel.from_xml_string(floor.scene(floor.scene(PLANE)))
     assert again.nhfield == 1
     assert np.array_equal(again.hfield_data, first)
+
+
+def test_no_slope_reaches_above_the_top_near_the_middle() -> None:
+    floor = adapter.Floor(RECIPE, spawn_radius=0.1)
+    model = mujoco.MjModel.from_xml_string(floor.scene(PLANE))
+    maps = rsegen.build_many(RECIPE, range(10))
+    along = np.linspace(-0.1, 0.1, 21) + 1e-4
+    for data, z in zip(*floor.arrays(maps), strict=True):
+        model.hfield_data[:], model.geom("floor").pos[2] = data, z
+        assert from_above(model, along[:-1], along[:-1]).max() <= 1e-6
 
 
 def depths_in_mujoco(model: Any, qpos: Any, hfield: Any, z: Any) -> dict[str, tuple[float, Any]]:

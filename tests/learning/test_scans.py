@@ -194,5 +194,11 @@ def test_what_no_sensor_has_is_refused() -> None:
         sensor.restart(state, [True, False, True], state)
     with pytest.raises(ParameterError, match=r"state: of robots of shape \(40,\); the poses are of \(3,\)"):
         sensor.sense(GROUND, POSES[:3], state, np.random.default_rng(0))
+    with pytest.raises(
+        ParameterError, match=r"poses: of shape \(40, 7\); expected \(..., 4\), of which the last is the yaw"
+    ):
+        sensor.sense(GROUND, np.zeros((40, 7)), state, np.random.default_rng(0))
+    with pytest.raises(ParameterError, match="state: of 187 points for a pattern of 3; use that of `start`"):
+        replace(sensor, pattern=np.zeros((3, 2))).sense(GROUND, POSES, state, np.random.default_rng(0))
     with pytest.raises(ParameterError, match="lost: 'far' is not a number, in metres"):
         ScanSensor(lost="far")  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe
+from rsegen.errors import ParameterError
 from tests.support.late_import import LateImport
 
 for name, what in (("mujoco", "MuJoCo"), ("gymnasium", "Gymnasium"), ("torch", "PyTorch"), ("rsl_rl", "rsl_rl")):
@@ -98,6 +99,19 @@ def test_the_map_of_each_world_is_the_one_that_it_touches_and_sees(worlds: Any) 
     assert worlds.many.model.geom_size.numpy()[:, part] == pytest.approx(grid.size(levels), abs=1e-6)
     assert worlds.many.data.geom_xpos.numpy()[:, part] == pytest.approx(grid.pos(levels), abs=1e-6)
     assert worlds.ground.levels.numpy().tolist() == levels.tolist()
+
+
+def test_actions_of_double_precision_are_those_of_single_precision(worlds: Any) -> None:
+    worlds.step(torch.zeros((WORLDS, 4), dtype=torch.float64))
+    assert worlds.get_observations()["policy"].dtype == torch.float32
+    with pytest.raises(ParameterError, match=r"actions: of shape \(3, 2\); expected \(3, 4\)"):
+        worlds.step(torch.zeros((WORLDS, 2)))
+
+
+@pytest.mark.parametrize("given", [{"worlds": 0}, {"maps": 0}, {"seed": -1}], ids=str)
+def test_counts_and_seeds_that_are_none_are_refused(crossing: Crossing, given: dict[str, int]) -> None:
+    with pytest.raises(ParameterError, match=f"{next(iter(given))}: "):
+        adapter.CrossingWorlds(crossing, **{"worlds": 2, "device": "cpu", **given})
 
 
 def test_ppo_of_rsl_rl_takes_a_step(worlds: Any) -> None:

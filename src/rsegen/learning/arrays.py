@@ -6,8 +6,9 @@ without a copy, as numpy's on the CPU and as torch's on a GPU.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache, partial, reduce
+from functools import partial, reduce
 from importlib import import_module
 from typing import Any
 
@@ -25,7 +26,7 @@ def library_of(where: str, given: Any) -> tuple[Any, Any]:
     """Return the library of an array, and the array; numbers in lists become numpy's. ParameterError if it is none."""
     if _package(given) == "warp":
         given = given.numpy() if given.device.is_cpu else import_module("warp").to_torch(given)
-    if isinstance(given, list | tuple | int | float):
+    if isinstance(given, list | tuple | range | int | float):
         try:
             given = np.asarray(given)
         except ValueError:  # rows of several lengths
@@ -63,7 +64,7 @@ def can_be_asked(array: Any) -> bool:
 
 def as_type(array: Any, dtype: Any) -> Any:
     """Return an array in a type of its library, on its device: without a copy if it is of that type."""
-    return array.to(dtype) if hasattr(array, "to") else array.astype(dtype)
+    return array.to(dtype) if hasattr(array, "to") else array.astype(dtype, copy=False)
 
 
 def with_values(array: Any, place: tuple[Any, ...], values: Any) -> Any:
@@ -138,6 +139,5 @@ def _package(value: Any) -> str:
     return type(value).__module__.split(".")[0]
 
 
-@cache
 def _library(package: str) -> Any:
-    return import_module(_LIBRARIES[package])
+    return sys.modules[_LIBRARIES[package]]

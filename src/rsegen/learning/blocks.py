@@ -80,20 +80,24 @@ class BlockArrays:
 
     def rgba(self, levels: Ints) -> Array:
         """The colours of the blocks by their levels, (..., blocks, 4), from 0 to 1."""
-        return _rows(self.colours[np.asarray(levels)])
+        return _rows(self.colours[self._checked(levels)])
 
     def sliding(self, levels: Ints) -> Array:
         """The coefficients of sliding friction of the blocks by their levels, (..., blocks)."""
-        return _rows(self.frictions[np.asarray(levels)][..., None])[..., 0]
+        return _rows(self.frictions[self._checked(levels)][..., None])[..., 0]
 
     def _heights(self, levels: Ints) -> Array:
+        return np.asarray(self._checked(levels) * self._unit, dtype=float)
+
+    def _checked(self, levels: Ints) -> Ints:
+        """Return levels as an array; ParameterError if they are none of a map of the recipe."""
         own = np.asarray(levels)
         if own.dtype.kind not in "iu":
             raise ParameterError("levels", f"of {own.dtype}; expected integers, in units")
         self._refuse_other_shape(own.shape)
         if own.size:
             check_levels(own, self.recipe.highest_level)
-        return np.asarray(own * self._unit, dtype=float)
+        return own
 
     def _refuse_other_shape(self, shape: tuple[int, ...]) -> None:
         if shape[-2:] != self.shape:
@@ -102,4 +106,5 @@ class BlockArrays:
 
 def _rows(values: Array) -> Array:
     """Return values with an axis of blocks in place of the two axes of cells."""
-    return values.reshape(*values.shape[:-3], -1, values.shape[-1])
+    *many, n_x, n_y, numbers = values.shape  # not -1 for the blocks, as there may be no maps
+    return values.reshape(*many, n_x * n_y, numbers)

@@ -58,7 +58,7 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     count, length = _COUNT.check("count", count), _LENGTH.check("length", length)
     walked, commanded = (_of_robots(own, name, given) for name, given in (("walked", walked), ("commanded", commanded)))
     up = walked > length / 2
-    down = ~up & (walked < commanded / 2)
+    down = ~up & (walked < commanded / 2) & (own > 0)  # below 0 is a large number where rows are unsigned
     after = own + array_like(own, up, own.dtype) - array_like(own, down, own.dtype)
     return library.where(after >= count, _drawn_rows(rng, own, count), library.clip(after, 0, None))
 

@@ -44,6 +44,9 @@ from rsegen.scene.scene import Scene
 _EDGE = 1e-5
 """Metres from an edge up to which a point is on both blocks: single precision has steps of 1e-6 m at 10 m."""
 
+_SINGLE = 4
+"""Bytes of a number of single precision."""
+
 _PLANE = 5
 """Places along each side of a square, through whose heights the plane of a normal is laid."""
 
@@ -93,7 +96,7 @@ def scan_points(size: Sequence[float] | Array = (1.6, 1.0), distance: float = 0.
     size : sequence of float, default (1.6, 1.0)
         Length and width of the grid, metres.
     distance : float, default 0.1
-        Distance of the points, metres.
+        Distance of the points, metres: the nearest one that divides each side.
 
     Returns
     -------
@@ -162,7 +165,8 @@ class Ground:
             worlds = f"{many[0] if many else 1} maps of {n_x} x {n_y} blocks"
             raise TooLarge(f"levels: {worlds} are more than this machine's memory; use fewer") from None
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
-        self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given, is_new=True))
+        levels = as_type(self._checked(given, is_new=True), around.dtype)
+        self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), levels)
         self._every = array_like(given, np.arange(many[0] if many else 0))
         self._fixed: StepField | None = None
 
@@ -210,11 +214,12 @@ class Ground:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what a copy in another process needs: its library is found by its arrays, as no module is copied."""
-        return {name: value for name, value in self.__dict__.items() if name != "library"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("library", "_array")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.library, _ = library_of("levels", self._cells)
+        self._array = class_of(self.library)
 
     @property
     def levels(self) -> Any:
@@ -294,6 +299,10 @@ class Ground:
         pattern: (points, 2), x and y in the robot's frame, such as `scan_points()`; poses: (..., 4), x, y, z [m], yaw.
         """
         poses = self.own("poses", poses, 4)
+        if poses.shape[-1] != 4:
+            raise ParameterError(
+                "poses", f"of shape {tuple(poses.shape)}; expected (..., 4), of which the last is the yaw"
+            )
         pattern = as_type(self.own("pattern", pattern), poses.dtype)
         check_pattern(pattern)
         cosine, sine = self.library.cos(poses[..., 3:]), self.library.sin(poses[..., 3:])
@@ -428,7 +437,8 @@ class Ground:
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
         if library is np and len(rows) and not 0 <= rows.min() <= rows.max() < self.worlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
-        return self._here(rows)
+        rows = self._here(rows)
+        return rows if is_whole(rows) else self._index(rows)  # an empty list is one of floats
 
     def _library_of(self, where: str, given: Any) -> tuple[Any, Any]:
         """Return the library of an array, and the array; one of that of the levels needs no look."""
@@ -441,7 +451,9 @@ class Ground:
         return array if dtype is None else as_type(array, dtype)
 
     def own(self, where: str, given: Any, least: int = 2) -> Any:
-        """Return an array of real numbers as one of the library of the levels, on their device; whole ones become real.
+        """Return an array of real numbers as one of the library of the levels, on their device.
+
+        Whole numbers become real ones, and those of half precision single ones: their steps are a part of a block.
 
         Its last axis has `least` numbers or more, or a ParameterError says `where` it comes from.
         """
@@ -451,7 +463,7 @@ class Ground:
                 own, other = self.library.__name__, library.__name__
                 raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; use that")
             array = array_like(self._cells, array, self.library.float32)
-        elif not is_real(array):
+        elif not is_real(array) or array.dtype.itemsize < _SINGLE:
             array = as_type(array, self._heights.dtype)
         if array.ndim < 1 or array.shape[-1] < least:
             raise ParameterError(where, f"of shape {tuple(array.shape)}; expected (..., {least})")

@@ -63,7 +63,10 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
         ground = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size)
-        patches = {name: _patches(ground, wanted, rng) for name, wanted in (self.flat_patch_sampling or {}).items()}
+        # Slopes of higher blocks next to a place reach a sample into it.
+        slope = self.recipe.block_width_cm / 100 / self.samples if self.shape == "hfield" else 0.0
+        sampling = (self.flat_patch_sampling or {}).items()
+        patches = {name: _patches(ground, wanted, slope, rng) for name, wanted in sampling}
         if self.shape == "boxes":
             geometries = self._boxes(spec, ground)
         else:
@@ -72,7 +75,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             field, geom = add_height_field(spec, spec.body("terrain"), name, heights, ground.size, attributes)
             geometries = [TerrainGeometry(geom=geom, hfield=field, color=(*GROUND_COLOUR, 1.0))]
         return TerrainOutput(
-            origin=ground.origin_above(self.spawn_radius), geometries=geometries, flat_patches=patches or None
+            origin=ground.origin_above(self.spawn_radius + slope), geometries=geometries, flat_patches=patches or None
         )
 
     def _boxes(self, spec: mujoco.MjSpec, ground: Tile) -> list[TerrainGeometry]:
@@ -106,9 +109,9 @@ def columns(recipes: Sequence[Recipe], count: int, **values: Any) -> dict[str, S
     }
 
 
-def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, rng: np.random.Generator) -> Array:
+def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, slope: float, rng: np.random.Generator) -> Array:
     """Return level places on a tile, (patches, 3): fewer where there are fewer, and mjlab fills up with the origin."""
-    places = ground.level_squares(2 * wanted.patch_radius, wanted.max_height_diff)
+    places = ground.level_squares(2 * (wanted.patch_radius + slope), wanted.max_height_diff)
     for axis, (low, high) in enumerate((wanted.x_range, wanted.y_range, wanted.z_range)):
         places = places[(places[:, axis] >= low) & (places[:, axis] <= high)]
     return places[np.argsort(rng.random(len(places)))[: wanted.num_patches]]

@@ -125,6 +125,7 @@ def let_touch(spec: Any) -> None:
     MuJoCo decides by bits and by a list of pairs. These geoms have no bits, so they get one that only blocks have: what
     they touch of the rest of the model stays the same. Bodies without a joint or an actuator stay as they are.
     """
+    refuse_other("spec", spec, mujoco.MjSpec)
     static = {geom.name for geom in spec.worldbody.geoms}
     on_ground = {
         other

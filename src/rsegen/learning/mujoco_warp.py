@@ -15,6 +15,7 @@ import warp as wp
 
 from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.arrays import is_whole
 from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
@@ -39,6 +40,9 @@ class BlocksOfWorlds:
             rows = np.broadcast_to(array.numpy(), (self.worlds, *array.numpy().shape[1:]))
             setattr(model, name, wp.array(rows, dtype=array.dtype, device=array.device))
         self._model = model
+        self._tables: list[Any] = [
+            wp.array(table, dtype=wp.float32, device=data.geom_xpos.device) for table in (grid.colours, grid.frictions)
+        ]
         self.ground: Ground = grid.ground(np.broadcast_to(np.int16(grid.highest), (self.worlds, *grid.shape)))
 
     def write(self, levels: Ints, worlds: Sequence[int] | Any = None) -> None:
@@ -50,12 +54,8 @@ class BlocksOfWorlds:
         if hasattr(levels, "is_cuda"):  # a tensor, not an array of numpy
             self._write_tensor(levels, worlds)
             return
-        rows = np.arange(self.worlds) if worlds is None else np.asarray(worlds, dtype=np.int32)
-        if rows.size and not 0 <= rows.min() <= rows.max() < self.worlds:
-            raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
-        if len(levels) != len(rows):
-            raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; expected one for each")
-        self.ground.write(np.asarray(levels), rows)  # refuses levels that are not there before anything is written
+        rows = np.arange(self.worlds) if worlds is None else np.asarray(worlds)
+        self.ground.write(np.asarray(levels), rows)  # refuses worlds and levels before anything is written
         grid, model, position = self.grid, self._model, self.grid.pos(levels)
         self._put(model.geom_pos, rows, position)
         self._put(self._data.geom_xpos, rows, position)
@@ -64,16 +64,24 @@ class BlocksOfWorlds:
         self._put(model.geom_friction, rows, grid.friction(levels))
 
     def _write_tensor(self, levels: Any, worlds: Any) -> None:
-        """Write levels in a tensor of torch; of centres and sides only z is of a map."""
+        """Write levels in a tensor of torch; of centres and sides only z is of a map.
+
+        They are kept within those of the recipe, as in a Ground: a check would wait for the device.
+        """
         grid, rows = self.grid, slice(None) if worlds is None else worlds
-        part, blocks = self._part, levels.reshape(len(levels), -1).long()
+        expected = (self.worlds if worlds is None else len(worlds), *grid.shape)
+        if tuple(levels.shape) != expected or not is_whole(levels):
+            given = f"{levels.dtype} of shape {tuple(levels.shape)}"
+            raise ParameterError("levels", f"{given}; expected integers, in units, of shape {expected}")
+        part, blocks = self._part, levels.flatten(1).long().clamp(0, grid.recipe.highest_level)
         heights = blocks * (grid.recipe.unit_cm / 100)
         model, centres = self._model, (heights - BELOW) / 2 + float(grid.position[2])
         wp.to_torch(model.geom_pos)[rows, part, 2] = centres
         wp.to_torch(self._data.geom_xpos)[rows, part, 2] = centres
         wp.to_torch(model.geom_size)[rows, part, 2] = (heights + BELOW) / 2
-        wp.to_torch(model.geom_rgba)[rows, part] = heights.new_tensor(grid.colours)[blocks]
-        wp.to_torch(model.geom_friction)[rows, part, 0] = heights.new_tensor(grid.frictions)[blocks]
+        colours, frictions = map(wp.to_torch, self._tables)
+        wp.to_torch(model.geom_rgba)[rows, part] = colours[blocks]
+        wp.to_torch(model.geom_friction)[rows, part, 0] = frictions[blocks]
 
     def _put(self, array: Any, rows: Ints, values: Array) -> None:
         """Write the values of the blocks into some rows of an array (worlds, geoms)."""

@@ -105,6 +105,8 @@ class BlockGrid(BlockArrays):
         numbers, centres = np.asarray(shapes).reshape(-1), self.pos(levels)
         if len(numbers) != centres[..., 0].size:
             raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; pass those of add_to")
+        if not len(numbers):
+            return
         if not 0 <= numbers.min() <= numbers.max() < model.shape_count:
             raise ParameterError("shapes", f"{numbers.min()}..{numbers.max()} of {model.shape_count} shapes")
         upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))

@@ -60,7 +60,8 @@ class Floor:
 
     def top(self, field: StepField) -> float:
         """Height of the highest block near the middle, metres, which is at z = 0 of the scene."""
-        return highest_near(field, np.array(field.extent) / 2, self._radius)
+        slope = field.block_width / self._samples  # that of a higher block outside reaches so far into it
+        return highest_near(field, np.array(field.extent) / 2, self._radius + slope)
 
     def scene(self, xml: str) -> str:
         """Return a scene of Playground, MJCF, whose floor is the first map: a plane or a height field is replaced."""

@@ -97,9 +97,12 @@ class ScanSensor:
             raise ParameterError(
                 "state", f"of robots of shape {tuple(state.drift.shape[:-1])}; the poses are of {robots}"
             )
+        if state.scans.shape[-1] != len(self.pattern):
+            problem = f"of {state.scans.shape[-1]} points for a pattern of {len(self.pattern)}; use that of `start`"
+            raise ParameterError("state", problem)
         draws = draws_of(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
-        moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:4]], -1)
+        moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:]], -1)
         scan = ground.scan(self.pattern, moved, worlds)
         if self.noise:
             scan = scan + self.noise * next(draws)("normal", scan)

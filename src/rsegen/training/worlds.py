@@ -17,13 +17,16 @@ import warp as wp
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
-from rsegen.errors import refuse_other
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco_warp import BlocksOfWorlds
 from rsegen.mujoco.many_worlds import ManyWorlds
+from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
 from rsegen.training.crossing import Crossing
+
+_COUNT, _SEED = Integer(1), Integer(0, SEEDS - 1)
 
 
 class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for mypy
@@ -39,6 +42,7 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self, crossing: Crossing, worlds: int, *, device: str = "cuda:0", maps: int = 16384, seed: int = 0
     ) -> None:
         refuse_other("crossing", crossing, Crossing)
+        worlds, maps, seed = _COUNT.check("worlds", worlds), _COUNT.check("maps", maps), _SEED.check("seed", seed)
         self.crossing, self.device = crossing, device
         self.num_envs, self.max_episode_length = worlds, crossing.periods
         self.cfg = {"robot": crossing.driven.kind, "recipe": crossing.recipe.name, "worlds": worlds}
@@ -99,7 +103,10 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
     def step(self, actions: Any) -> tuple[Any, Any, Any, dict[str, Any]]:
         """Drive for a period: observations, rewards, whether worlds have begun anew, and additional data of rsl_rl."""
         crossing = self.crossing
-        self._action = actions.clamp(-1, 1)
+        if actions.shape != self._action.shape:
+            problem = f"of shape {tuple(actions.shape)}; expected {tuple(self._action.shape)}"
+            raise ParameterError("actions", problem)
+        self._action = actions.to(self._action.dtype).clamp(-1, 1)
         before = self._qpos[:, 0].clone()
         v, w = crossing.speeds(self._action)
         self._speeds.copy_(torch.stack(self.many.sides(v, w), -1))
