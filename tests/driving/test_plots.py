@@ -33,9 +33,10 @@ def drawn(recipe: rsegen.Recipe, lines: dict[str, np.ndarray], monkeypatch: pyte
 
 @pytest.mark.parametrize("levels", [2, 3, 5])
 @pytest.mark.parametrize("robots", [1, 2, 3, 8])
-def test_no_text_runs_over_another_one(robots: int, levels: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("kind", ["robot", "turtlebot3_burger", "a_robot_with_the_name_of_its_laboratory"])
+def test_no_text_runs_over_another_one(kind: str, robots: int, levels: int, monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = rsegen.Recipe(seed=1, boundary="none", obstacles=(rsegen.Random(levels=levels),))
-    figure = drawn(recipe, {f"robot_{n}": np.array([[-0.7, 0.0], [0.7, 0.1]]) for n in range(robots)}, monkeypatch)
+    figure = drawn(recipe, {f"{kind}_{n}": np.array([[-0.7, 0.0], [0.7, 0.1]]) for n in range(robots)}, monkeypatch)
     texts = [*figure.legends[0].get_texts(), *figure.texts, figure.axes[0].xaxis.label, figure.axes[0].yaxis.label]
     boxes = [text.get_window_extent() for text in texts]
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))

@@ -218,12 +218,18 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
 
 
 def ways_by_script(
-    monkeypatch: pytest.MonkeyPatch, crosses: Callable[[int, int], bool], drives: int = MOST, scene: Scene = PASSAGE
+    monkeypatch: pytest.MonkeyPatch,
+    crosses: Callable[[int, int], bool],
+    drives: int = MOST,
+    scene: Scene = PASSAGE,
+    robot: tuple[str, str] = ("jackal", MOTORS[0]),
 ) -> tuple[Prediction, list[bytes], list[tuple[int, int]]]:
     """Return what is found, the ways that were tried, and which drives there were: numbers of the way and of the drive.
 
     crosses: which drives do; the others end in the middle of their ways
+    robot: its kind and its motors
     """
+    kind, model = robot
     ways: list[bytes] = []
     driven: list[tuple[int, int]] = []
 
@@ -239,7 +245,7 @@ def ways_by_script(
         return rsegen.Outcome(seconds=None, path=path, reason="makes no progress")
 
     monkeypatch.setattr("rsegen.driving.prediction.spread_drive", scripted)
-    found = predict_way(replace(predictor(), drives=drives), scene, ROBOTS["jackal"], "safe")
+    found = predict_way(replace(predictor(), drives=drives, motors=model), scene, ROBOTS[kind], "safe")
     assert len(set(driven)) == len(driven), "no drive is done twice"
     return found, ways, driven
 
@@ -277,6 +283,26 @@ def test_straight_lanes_are_tried_where_a_way_is_not_sure(monkeypatch: pytest.Mo
     assert found.way.crosses, "poses get to its end"
     assert found.way.points.tobytes() == ways[2]
     assert (found.crossed, found.drives) == (MOST, MOST), "chosen by its first drives, which are not enough"
+
+
+def test_of_ways_that_cross_now_and_then_the_best_is_found_by_further_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second and the third way are given up alike, with one of three drives; then the third does better."""
+    found, ways, _ = ways_by_script(
+        monkeypatch, lambda way, number: (way in (1, 2) and number == 1) or (way == 2 and number > 4)
+    )
+    assert found.way is not None
+    assert found.way.points.tobytes() == ways[2]
+    assert (found.crossed, found.drives) == (16, MOST)
+
+
+def test_lanes_are_those_of_the_motors_by_which_the_way_was_planned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only with motors as Gazebo Classic's does a burger climb a step of 1.2 cm."""
+    step = scene_of([[1 if i > 5 else 0 for i in range(8)]] * 8, unit_cm=1.2)
+    assert not straight_lanes(step.field, ROBOTS["burger"].body, 0).passed.any()
+    burger = ("burger", MOTORS[1])
+    found, ways, _ = ways_by_script(monkeypatch, lambda way, _number: way == 1, scene=step, robot=burger)
+    assert len(np.frombuffer(ways[1]).reshape(-1, 2)) == 2, "a straight lane is next"
+    assert (found.crossed, found.drives) == (MOST, MOST)
 
 
 def test_lanes_that_poses_do_not_pass_are_tried_only_without_a_way(monkeypatch: pytest.MonkeyPatch) -> None:

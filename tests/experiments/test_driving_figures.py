@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -96,6 +96,13 @@ def test_a_robot_that_flies_or_leaves_the_map_is_counted_and_flies_no_distance(f
     assert found["driven"] == pytest.approx((0 + 2 + 0.4 + 0.16) / 4)
     assert found["covered"] is not None
     assert driving_figures(tracks, [run("leaves")], None)["off"] == 0
+
+
+@pytest.mark.parametrize(("start", "off"), [(-0.4, 1), (-0.8, 0)])
+def test_a_robot_that_left_the_map_before_its_first_pose_is_counted(start: float, off: int, field: StepField) -> None:
+    """At full speed the first pose is seconds after the start; a robot larger than the map starts next to it."""
+    begun = replace(run("leaves"), start=Pose(x=start, y=0, z=0))
+    assert driving_figures({"leaves": track(0.7 + 0.04 * T)}, [begun], field)["off"] == off
 
 
 @pytest.mark.parametrize("seconds", [0.3, 0.9, 1.4])

@@ -201,6 +201,12 @@ def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_pa
         assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("flags", [[], ["--climb-cm", "5"]])
+def test_only_robots_are_driven(flags: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["metrics", str(PALLET), "--verify", *flags]) == 2
+    assert "--verify: drives a robot; choose one, as in --robot burger" in capsys.readouterr().err
+
+
 def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["metrics", str(PALLET), "--robot", "burger", "--climb-cm", "10"]) == 2
     assert "--climb-cm: excludes --robot" in capsys.readouterr().err

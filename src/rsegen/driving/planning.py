@@ -74,6 +74,11 @@ class _Tried:
         return self.found.failed if self.found else 0
 
     @property
+    def has_crossed(self) -> bool:
+        """Whether one of its drives has crossed."""
+        return bool(self.found and self.found.crossed)
+
+    @property
     def probability(self) -> float:
         """The probability of crossing as far as it is known; below all without a drive."""
         return self.found.probability if self.found else -1.0
@@ -115,11 +120,8 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
     if not search.tried and predictor.motors != MOTORS[0]:  # these lift casters over some edges that hold them else
         search.try_ways(replace(robot.body, reaction=False), best)
     if not search.tried:
-        search.try_lanes(passed=False)
-    surest = max(search.tried.values(), key=lambda one: one.probability)
-    if surest.found is None:
-        raise surest.error or SimulatorFailed("no way could be driven")
-    return predictor.predict(scene, surest.run, surest.found)
+        search.try_lanes(robot.body, passed=False)
+    return search.surest()
 
 
 class _Search:
@@ -136,6 +138,20 @@ class _Search:
     def is_sure(self) -> bool:
         """Return whether one of them is crossed surely enough."""
         return any(one.probability >= SURE for one in self.tried.values())
+
+    def surest(self) -> Prediction:
+        """Return what is predicted of the surest one; SimulatorFailed if no drive has a result.
+
+        Few drives gave each up, so the best of them is driven on until it fails once more, and then what is best now.
+        """
+        while True:
+            best = max(self.tried.values(), key=lambda one: (one.has_crossed, one.probability))
+            if best.found is None:
+                raise best.error or SimulatorFailed("no way could be driven")
+            known, failures = best.found.next_drive, best.failures + 1 if best.has_crossed else inf
+            best.found = self.predictor.predict(self.scene, best.run, best.found, failures=failures)
+            if not best.has_crossed or best.found.next_drive == known:
+                return best.found
 
     def try_ways(self, body: Body, best: str) -> None:
         """Try ways of a body, each planned by what the drives before have shown, and lanes, until one is sure."""
@@ -154,17 +170,17 @@ class _Search:
                 x, y = outcome.path[-1].tolist()
                 planner.learn(way.points, (x, y) if outcome.reason else None)
             if not number and one.failures:
-                self.try_lanes(passed=True)
+                self.try_lanes(body, passed=True)
             if one.error or self.is_sure:
                 break
         report_share("a way across", 1)
 
-    def try_lanes(self, *, passed: bool) -> None:
-        """Try the straight lanes on which poses get farthest, those in the middle first, until one is sure.
+    def try_lanes(self, body: Body, *, passed: bool) -> None:
+        """Try the straight lanes on which poses of a body get farthest, those in the middle first, until one is sure.
 
         passed: whether only lanes are tried that poses drive to their ends
         """
-        field, body = self.scene.field, self.robot.body
+        field = self.scene.field
         lanes, aside = straight(field, body, 0), np.abs(across(field, 0))
         order = np.lexsort([aside, -lanes.last])
         for number in order[lanes.passed[order] | (not passed)][:_LANES].tolist():

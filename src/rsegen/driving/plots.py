@@ -37,7 +37,7 @@ _TALLEST = 7.0
 """Inches of a picture at most, in which its caption has room on a page."""
 
 _HEIGHTS, _ACROSS = 6, 4
-"""Heights in the legend at most, more are every second, third, ...; and its columns."""
+"""Heights in the legend at most, more are every second, third, ...; and its columns at most."""
 
 _LINES = (
     *(("black", "-"), ("#d7191c", (0, (6, 1))), ("#2c7bb6", (0, (3, 1))), ("#7b3294", (0, (6, 1, 1, 1)))),
@@ -149,5 +149,9 @@ def _draw_legend(figure: Figure, axes: Axes, scene: Scene) -> None:
     lines, _ = axes.get_legend_handles_labels()
     heights = swatches(scene, [level for level in scene.field.level_counts() if level], _HEIGHTS)
     room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 2.4, "handletextpad": 0.5}
-    entries = in_rows([*lines, *heights], _ACROSS)
-    figure.legend(handles=entries, loc="outside lower center", ncols=_ACROSS, frameon=False, **room)
+    for columns in range(_ACROSS, 0, -1):  # long names of robots need fewer than names of heights
+        entries = in_rows([*lines, *heights], columns)
+        legend = figure.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, **room)
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()

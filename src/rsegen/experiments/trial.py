@@ -37,13 +37,16 @@ def driving_figures(
     tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
 ) -> dict[str, float | None]:
     """Return the figures of an outcome that are of robots with these trajectories on a field, None: an empty world."""
-    driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
-    if not driven:
+    seen = [run for run in runs if run.name in tracks]
+    if not seen:
         return {}
+    driven = [(tracks[run.name], run.robot) for run in seen]
     course = Course.over(field) if field else PLANE
     every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
     # What no robot can do, as to fly, ends the part in which blocks count as covered; the rest is of the whole drive.
     parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
+    has_left = [field is not None and _left_unseen(field, run, tracks[run.name]) for run in seen]
+    off = [metrics.has(Incident.OFF) or left for metrics, left in zip(every, has_left, strict=True)]
     shares = (
         [covered_share(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
     )
@@ -52,9 +55,17 @@ def driving_figures(
         "stuck": _stuck_share([track for track, _ in driven], every),
         "tipped": round(fmean(metrics.tipped for metrics in every), 3),
         "covered": round(fmean(shares), 5) if shares else None,
-        "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
+        "off": round(fmean(off), 4),
         "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
     }
+
+
+def _left_unseen(field: StepField, run: RobotRun, track: Trajectory) -> bool:
+    """Return whether a robot started on a map and was off it at its first row: at full speed that is seconds later."""
+    half_x, half_y = (side / 2 for side in field.extent)
+    start, first = ((run.start.x, run.start.y), track.rows[0, 1:3].tolist())
+    began_on_it, is_on_it = (abs(x) < half_x and abs(y) < half_y for x, y in (start, first))
+    return began_on_it and not is_on_it
 
 
 def _stuck_share(tracks: Sequence[Trajectory], every: Sequence[DriveMetrics]) -> float | None:

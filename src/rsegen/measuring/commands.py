@@ -91,9 +91,11 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--heading", "is for a picture; use -o too")
     if heading is not None and isinstance(robot, StepLimits):
         raise ParameterError("--heading", "limits of steps have no poses; use --robot")
+    verify = given(_Options, arguments).get("verify", False)
+    if verify and (robot is None or isinstance(robot, StepLimits)):
+        raise ParameterError("--verify", "drives a robot; choose one, as in --robot burger")
     scenes = _scenes(arguments)
     first = next(scenes)
-    verify = given(_Options, arguments).get("verify", False)
     measured = _measured(first, robot, verify=verify)
     if picture and robot:
         picture.write(partial(_picture, first, robot, measured[1], heading))
