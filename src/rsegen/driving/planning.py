@@ -75,7 +75,7 @@ class _Tried:
 
     @property
     def has_crossed(self) -> bool:
-        """Whether one of its drives has crossed."""
+        """Return whether one of its drives has crossed."""
         return bool(self.found and self.found.crossed)
 
     @property
