@@ -285,6 +285,18 @@ def test_straight_lanes_are_tried_where_a_way_is_not_sure(monkeypatch: pytest.Mo
     assert (found.crossed, found.drives) == (MOST, MOST), "chosen by its first drives, which are not enough"
 
 
+def test_lanes_are_tried_where_the_physics_of_a_way_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    def crosses(way: int, _number: int) -> bool:
+        if way == 0:
+            raise SimulatorFailed("no numbers")
+        return True
+
+    found, ways, driven = ways_by_script(monkeypatch, crosses, scene=FLOOR)
+    assert [sum(way == number for way, _ in driven) for number in range(2)] == [FIRST, MOST]
+    assert found.way is not None
+    assert found.way.points.tobytes() == ways[1]
+
+
 def test_of_ways_that_cross_now_and_then_the_best_is_found_by_further_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second and the third way are given up alike, with one of three drives; then the third does better."""
     found, ways, _ = ways_by_script(

@@ -169,7 +169,7 @@ class _Search:
             for outcome in self._drive(one, one.failures + 1):
                 x, y = outcome.path[-1].tolist()
                 planner.learn(way.points, (x, y) if outcome.reason else None)
-            if not number and one.failures:
+            if not number and (one.failures or one.error):
                 self.try_lanes(body, passed=True)
             if one.error or self.is_sure:
                 break
