@@ -34,7 +34,7 @@ from rsegen.geometry.mesh_kinds import mesh as mesh
 from rsegen.heights.base import imported as imported
 from rsegen.learning.curriculum import next_rows as next_rows
 from rsegen.learning.ground import Ground as Ground
-from rsegen.learning.ground import scan_points as scan_points
+from rsegen.learning.patterns import scan_points as scan_points
 from rsegen.learning.scans import ScanSensor as ScanSensor
 from rsegen.learning.terrain import Terrain as Terrain
 from rsegen.measuring.catalogue import Metric as Metric

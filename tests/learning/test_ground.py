@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Ground, Pit, Random, Recipe
 from rsegen.errors import ParameterError, TooLarge
-from rsegen.learning.ground import scan_points
+from rsegen.learning.patterns import scan_points
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 adapter = pytest.importorskip("rsegen.learning.mujoco")

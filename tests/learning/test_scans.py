@@ -11,7 +11,7 @@ import pytest
 import rsegen
 from rsegen import Ground, Random, Recipe
 from rsegen.errors import ParameterError
-from rsegen.learning.ground import scan_points
+from rsegen.learning.patterns import scan_points
 from rsegen.learning.scans import ScanSensor
 
 RECIPE = Recipe(seed=7, chunk_size=30, unit_cm=5, boundary="none", obstacles=[Random(levels=6)])

@@ -268,7 +268,7 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
 
 
 def test_a_search_for_a_way_can_be_ended_before_the_first_way_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lattice, "_TOLD_EVERY", 5)
+    monkeypatch.setattr(lattice, "_REPORT_EVERY", 5)
     monkeypatch.setattr(Lattice, "settle_at", lambda *_: pytest.fail("a way was found before"))
 
     def stop(_: float) -> None:

@@ -91,12 +91,14 @@ class Course:
     """The map that a robot is driven over.
 
     extent: its sides along x and y, metres; top: the height of its highest block, metres; finish_x: the x of a robot's
-    origin beyond which the whole robot is east of the map, None if it is not to cross the map
+    origin beyond which the whole robot is east of the map, None if it is not to cross the map; starts_on_it: whether
+    the robot starts on the map, if its first row may be too late to show it
     """
 
     extent: tuple[float, float] = (0.0, 0.0)
     top: float = 0.0
     finish_x: float | None = None
+    starts_on_it: bool = False
 
     @classmethod
     def over(cls, field: StepField, finish_x: float | None = None) -> Course:
@@ -243,7 +245,7 @@ def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:
         row = _first(between & beside)
     else:
         on_it = between & ~beside
-        row = _first(~on_it & np.logical_or.accumulate(on_it))
+        row = _first(~on_it & (np.logical_or.accumulate(on_it) | course.starts_on_it))
     if row is None:
         return None
     side = ("north" if y[row] > 0 else "south") if beside[row] else ("east" if x[row] > 0 else "west")

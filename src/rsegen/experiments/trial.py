@@ -41,12 +41,13 @@ def driving_figures(
     if not seen:
         return {}
     driven = [(tracks[run.name], run.robot) for run in seen]
-    course = Course.over(field) if field else PLANE
-    every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
+    courses = [replace(Course.over(field), starts_on_it=_starts_on(field, run)) if field else PLANE for run in seen]
+    asked = [
+        (track, robot.driving_speed, robot.size, course) for (track, robot), course in zip(driven, courses, strict=True)
+    ]
+    every = [drive_metrics(*one) for one in asked]
     # What no robot can do, as to fly, ends the part in which blocks count as covered; the rest is of the whole drive.
-    parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
-    has_left = [field is not None and _left_unseen(field, run, tracks[run.name]) for run in seen]
-    off = [metrics.has(Incident.OFF) or left for metrics, left in zip(every, has_left, strict=True)]
+    parts = [possible_part(*one)[0] for one in asked]
     shares = (
         [covered_share(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
     )
@@ -55,17 +56,15 @@ def driving_figures(
         "stuck": _stuck_share([track for track, _ in driven], every),
         "tipped": round(fmean(metrics.tipped for metrics in every), 3),
         "covered": round(fmean(shares), 5) if shares else None,
-        "off": round(fmean(off), 4),
+        "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
         "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
     }
 
 
-def _left_unseen(field: StepField, run: RobotRun, track: Trajectory) -> bool:
-    """Return whether a robot started on a map and was off it at its first row: at full speed that is seconds later."""
+def _starts_on(field: StepField, run: RobotRun) -> bool:
+    """Return whether a robot starts on a map; at full speed its first row is seconds later."""
     half_x, half_y = (side / 2 for side in field.extent)
-    start, first = ((run.start.x, run.start.y), track.rows[0, 1:3].tolist())
-    began_on_it, is_on_it = (abs(x) < half_x and abs(y) < half_y for x, y in (start, first))
-    return began_on_it and not is_on_it
+    return abs(run.start.x) < half_x and abs(run.start.y) < half_y
 
 
 def _stuck_share(tracks: Sequence[Trajectory], every: Sequence[DriveMetrics]) -> float | None:

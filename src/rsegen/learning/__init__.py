@@ -39,7 +39,8 @@ CAPABILITY = Capability(
     ),
     public={
         "rsegen.learning.curriculum": ("next_rows",),
-        "rsegen.learning.ground": ("Ground", "scan_points"),
+        "rsegen.learning.ground": ("Ground",),
+        "rsegen.learning.patterns": ("scan_points",),
         "rsegen.learning.scans": ("ScanSensor",),
         "rsegen.learning.terrain": ("Terrain",),
     },

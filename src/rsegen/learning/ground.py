@@ -36,7 +36,8 @@ from rsegen.learning.arrays import (
     library_of,
     with_values,
 )
-from rsegen.params.sorts import Float, Integer, ListOf, as_int
+from rsegen.learning.patterns import check_pattern, sides_of
+from rsegen.params.sorts import Integer, as_int
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT
 from rsegen.scene.scene import Scene
@@ -53,7 +54,6 @@ _PLANE = 5
 _HOLE = 1e4
 """Units by which a place in a hole counts as more uneven than any other one."""
 
-_SIDES, _DISTANCE = ListOf(Float(0, 1000, unit="m"), 2), Float(0.001, 1000, unit="m")
 _COUNT = Integer(1)
 
 
@@ -68,12 +68,6 @@ def position_of(pos: Sequence[float] | Array) -> Array:
     return own
 
 
-def check_pattern(pattern: Any) -> None:
-    """Raise a ParameterError if an array is not that of the places of points in the frame of a robot."""
-    if pattern.ndim != 2 or pattern.shape[1] != 2:
-        raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
-
-
 def friction_by_level(recipe: Recipe, highest: int | None = None) -> Array:
     """Return the friction coefficient of each level from 0 to the highest, by default of a recipe; 0 is the ground."""
     scene = Scene(recipe=recipe, index=0, field=unframed(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
@@ -86,31 +80,6 @@ def check_levels(levels: Any, highest: int) -> None:
     low, high = int(levels.min()), int(levels.max())
     if not 0 <= low <= high <= highest:
         raise ParameterError("levels", f"{low}..{high} are not all in 0..{highest}, the levels of the recipe")
-
-
-def scan_points(size: Sequence[float] | Array = (1.6, 1.0), distance: float = 0.1) -> Array:
-    """Return a grid of points around a robot, x first, by default that of legged_gym: 17 x 11 points.
-
-    Parameters
-    ----------
-    size : sequence of float, default (1.6, 1.0)
-        Length and width of the grid, metres.
-    distance : float, default 0.1
-        Distance of the points, metres: the nearest one that divides each side.
-
-    Returns
-    -------
-    ndarray, shape (points, 2)
-        x and y of each point, metres, in the frame of the robot.
-    """
-    sides, distance = _SIDES.check("size", _listed(size)), _DISTANCE.check("distance", distance)
-    x, y = (np.linspace(-side / 2, side / 2, round(side / distance) + 1) for side in sides)
-    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-
-
-def _listed(values: Any) -> Any:
-    """Return an array of numpy as a list, which parameters are, and all else as it is."""
-    return values.tolist() if isinstance(values, np.ndarray) else values
 
 
 class Ground:
@@ -328,7 +297,7 @@ class Ground:
         level places random ones, which may overlap; holes come last. z: of the highest block below; yaw: of a square
         one of four.
         """
-        size, count = _SIDES.check("size", _listed(size)), _COUNT.check("count", count)
+        size, count = sides_of(size), _COUNT.check("count", count)
         wide = [max(ceil(side / self.block_width - _EDGE), 1) for side in size]
         n_x, n_y = self._inner.shape[-2:]
         if wide[0] > n_x or wide[1] > n_y:

@@ -23,7 +23,7 @@ from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
 from rsegen.learning.ground import friction_by_level
 from rsegen.learning.mujoco import add_box, add_height_field
-from rsegen.learning.tile import Tile, check_recipe, tile
+from rsegen.learning.tile import Tile, check_recipe, slope_length, tile
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
@@ -63,8 +63,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
         ground = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size)
-        # Slopes of higher blocks next to a place reach a sample into it.
-        slope = self.recipe.block_width_cm / 100 / self.samples if self.shape == "hfield" else 0.0
+        slope = slope_length(self.recipe.block_width_cm / 100, self.samples) if self.shape == "hfield" else 0.0
         sampling = (self.flat_patch_sampling or {}).items()
         patches = {name: _patches(ground, wanted, slope, rng) for name, wanted in sampling}
         if self.shape == "boxes":

@@ -25,7 +25,7 @@ from rsegen.errors import ParameterError, UserError, refuse_other
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import unframed
-from rsegen.learning.tile import corner_heights, highest_near
+from rsegen.learning.tile import corner_heights, highest_near, slope_length
 from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.batch import build_many
 from rsegen.recipe.recipe import Recipe
@@ -60,8 +60,8 @@ class Floor:
 
     def top(self, field: StepField) -> float:
         """Height of the highest block near the middle, metres, which is at z = 0 of the scene."""
-        slope = field.block_width / self._samples  # that of a higher block outside reaches so far into it
-        return highest_near(field, np.array(field.extent) / 2, self._radius + slope)
+        radius = self._radius + slope_length(field.block_width, self._samples)
+        return highest_near(field, np.array(field.extent) / 2, radius)
 
     def scene(self, xml: str) -> str:
         """Return a scene of Playground, MJCF, whose floor is the first map: a plane or a height field is replaced."""

@@ -19,7 +19,8 @@ from typing import Annotated, Any, NamedTuple
 
 from rsegen.errors import ParameterError, shown
 from rsegen.learning.arrays import array_like, draws_of, library_of
-from rsegen.learning.ground import Ground, check_pattern, scan_points
+from rsegen.learning.ground import Ground
+from rsegen.learning.patterns import check_pattern, scan_points
 from rsegen.params.sorts import Float, Integer, validate
 
 

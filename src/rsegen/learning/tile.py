@@ -126,6 +126,11 @@ def corner_heights(heights: Array, per_block: int) -> Array:
     return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]))
 
 
+def slope_length(block_width: float, per_block: int) -> float:
+    """Return how far the slope of a block leads over a lower one, metres, with `corner_heights` of so many a side."""
+    return block_width / per_block
+
+
 def highest_near(field: StepField, place: Array, radius: float) -> float:
     """Height, metres, of the highest block up to `radius` metres along x and y from a place, metres from the corner.
 

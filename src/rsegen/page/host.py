@@ -210,8 +210,9 @@ class Opened:
             self._listeners.remove(listener)
         if listener.page not in {other.page for other in self._listeners}:
             self.shown.pop(listener.page, None)
-            for search in [search for search in (*self.searches,) if search[1] == listener.page]:
-                self.searches.pop(search, None)
+            for name, page in (*self.searches,):
+                if page == listener.page:
+                    self.searches.pop((name, page), None)
         self.send_state("")
 
     def send(self, event: Event, page: str = "") -> None:

@@ -67,8 +67,8 @@ _FEW_STEPS = 30
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
-_TOLD_EVERY = 20_000
-"""Places that a search looks at until it is told how far it is, and may be ended: a fifth of a second."""
+_REPORT_EVERY = 20_000
+"""Places that a search looks at between two reports, each of which may end it: a fifth of a second."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -309,7 +309,7 @@ class Lattice:
         looked_at = count(1)
 
         def onward(at: int) -> Iterator[tuple[int, float, float]]:
-            if not next(looked_at) % _TOLD_EVERY:
+            if not next(looked_at) % _REPORT_EVERY:
                 self.tell(0.0)
             k = at % HEADINGS
             to_left, to_right = at + 1 - HEADINGS * (k == HEADINGS - 1), at - 1 + HEADINGS * (k == 0)

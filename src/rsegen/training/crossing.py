@@ -22,8 +22,9 @@ import numpy as np
 from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array
 from rsegen.learning.arrays import array_like, library_of
-from rsegen.learning.ground import Ground, scan_points
+from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
+from rsegen.learning.patterns import scan_points
 from rsegen.mujoco.map_model import NamedBoxes
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.turning import turn_gain
