@@ -14,7 +14,7 @@ from rsegen import Random, Recipe
 from rsegen.errors import TooLarge
 from rsegen.formats.base import FORMATS
 from rsegen.heights.base import imported, importer_for
-from rsegen.writing import resources
+from rsegen.writing import control_groups, execute, resources
 from rsegen.writing.resources import check_needs, format_bytes
 
 
@@ -49,9 +49,9 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
 def groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Control groups of a machine that has as much memory as anybody needs; this process is in /docker/abc."""
     monkeypatch.setattr(resources, "_free_on_machine", lambda: 10**15)
-    monkeypatch.setattr(resources, "_GROUPS", tmp_path / "groups")
-    monkeypatch.setattr(resources, "_OWN_GROUPS", tmp_path / "own")
-    (tmp_path / "own").write_text("3:cpuset:/docker\n4:memory:/docker/abc\n0::/docker/abc\n")
+    monkeypatch.setattr(control_groups, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(control_groups, "_OWN_GROUPS", tmp_path / "own")
+    (tmp_path / "own").write_text("2:cpu,cpuacct:/docker/abc\n3:cpuset:/docker\n4:memory:/docker/abc\n0::/docker/abc\n")
     return tmp_path / "groups"
 
 
@@ -92,6 +92,29 @@ def test_a_control_group_without_a_limit_leaves_what_the_machine_has(groups: Pat
     for name, other in V2.items():
         (groups / name).write_text(content if name == "memory.max" else other)
     resources.refuse_too_large(Recipe(seed=1, chunk_size=1000, chunks=(3, 3)))
+
+
+@pytest.mark.parametrize(
+    ("place", "files", "cores"),
+    [
+        ("docker", {"cpu.max": "150000 100000\n"}, 2),
+        ("docker/abc", {"cpu.max": "20000 100000\n"}, 1),
+        ("docker/abc", {"cpu.max": "9000000 100000\n"}, 8),
+        ("docker/abc", {"cpu.max": "max 100000\n"}, 8),
+        ("cpu,cpuacct/docker", {"cpu.cfs_quota_us": "300000\n", "cpu.cfs_period_us": "100000\n"}, 3),
+        ("cpu,cpuacct", {"cpu.cfs_quota_us": "-1\n", "cpu.cfs_period_us": "100000\n"}, 8),
+        ("cpuset/docker", {"cpu.max": "100000 100000\n"}, 8),
+    ],
+)
+def test_a_container_has_the_processors_that_its_control_groups_leave(
+    groups: Path, monkeypatch: pytest.MonkeyPatch, place: str, files: dict[str, str], cores: int
+) -> None:
+    monkeypatch.setattr("sys.platform", "darwin")
+    monkeypatch.setattr("os.cpu_count", lambda: 8)
+    (groups / place).mkdir(parents=True)
+    for name, content in files.items():
+        (groups / place / name).write_text(content)
+    assert execute.cores() == cores
 
 
 @pytest.mark.slow

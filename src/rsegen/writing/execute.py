@@ -28,6 +28,7 @@ from rsegen.params.extras import CLUSTER, pip_install
 from rsegen.params.plugins import with_plugins
 from rsegen.params.sorts import Integer
 from rsegen.writing import stop
+from rsegen.writing.control_groups import processors
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -69,8 +70,9 @@ _Submit = Callable[..., Future[Any]]
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    """Return how many cores this process may use: those of the machine, or fewer in a container or a job."""
+    here = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    return max(1, math.ceil(min(here, processors())))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

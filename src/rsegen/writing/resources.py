@@ -17,6 +17,7 @@ from typing import Literal, Protocol
 from rsegen.errors import TooLarge, shown
 from rsegen.geometry import PIECE
 from rsegen.recipe.recipe import Recipe
+from rsegen.writing import control_groups
 
 Step = Literal["build", "measure", "surface", "mesh"]
 """A step of making a map, by its memory: a field; its metrics; its surface or boxes; a watertight mesh of all of it."""
@@ -168,7 +169,7 @@ def _bytes(cells: int, per_cell: int) -> int:
 
 def _free_memory() -> int:
     """Return the bytes of memory that this program can have: those of the machine, or fewer in a container or a job."""
-    return int(min(_free_on_machine(), _free_in_groups()))
+    return int(min(_free_on_machine(), control_groups.free_memory()))
 
 
 def _free_on_machine() -> int:
@@ -180,46 +181,6 @@ def _free_on_machine() -> int:
     import psutil
 
     return int(psutil.virtual_memory().available)
-
-
-_GROUPS, _OWN_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
-_FILES = {
-    "memory.max": ("memory.current", "inactive_file"),
-    "memory.limit_in_bytes": ("memory.usage_in_bytes", "total_inactive_file"),
-}
-"""Limit of a control group, its use, and what of that is freed on demand: names of cgroup v2 and v1.
-
-Source: Documentation/admin-guide of Linux, cgroup-v2.rst and cgroup-v1/memory.rst.
-"""
-
-
-def _free_in_groups() -> float:
-    """Return the bytes that the control groups of this process leave it, as of a container; infinitely many if none.
-
-    A container may see its own group as the root, under which the path of the group does not exist.
-    """
-    free = math.inf
-    with suppress(OSError):
-        for line in _OWN_GROUPS.read_text("utf-8", "replace").splitlines():
-            _, controllers, path = line.split(":", 2)
-            if controllers in ("", "memory"):
-                root = _GROUPS / controllers
-                group = root / path.strip("/")
-                for folder in (group, *group.parents):
-                    free = min(free, _free_in(folder))
-                    if folder == root:
-                        break
-    return free
-
-
-def _free_in(group: Path) -> float:
-    """Return the bytes that a control group leaves its processes; infinitely many if it has no limit."""
-    for limit, (used, on_demand) in _FILES.items():
-        with suppress(OSError, ValueError):
-            most = int((group / limit).read_text("ascii"))  # or `max`
-            entries = dict(line.split() for line in (group / "memory.stat").read_text("ascii").splitlines())
-            return max(0, most - int((group / used).read_text("ascii")) + int(entries.get(on_demand, 0)))
-    return math.inf
 
 
 def _free_disk(folder: Path) -> float:
