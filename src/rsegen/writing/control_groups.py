@@ -1,4 +1,4 @@
-"""What the control groups of this process leave it, in a container or a job of a cluster: memory and processors.
+"""Shares of memory and processors that control groups leave this process, in a container or a job of a cluster.
 
 Source: Documentation/admin-guide of Linux, cgroup-v2.rst, cgroup-v1/memory.rst and scheduler/sched-bwc.rst.
 """
