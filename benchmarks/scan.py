@@ -9,7 +9,6 @@ Cameras stand evenly around the field and look at its middle. Without a Gazebo a
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -20,7 +19,7 @@ import numpy as np
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_flaws
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in
 from benchmarks.gazebo_depth import depth_clouds
 from benchmarks.machine import machine
 from rsegen.errors import RsegenError, ScanError
@@ -83,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only-print", action="store_true", help="keep nothing")
     options = parser.parse_args(arguments)
     seeds = range(1, options.seeds + 1)
-    before: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
+    before: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
     found = [asdict(each) for each in cast_trials(seeds, _say)]
     here = SIMULATORS["classic"].installation()
     try:
@@ -96,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record = {"machine": machine(), "simulator": simulator, "trials": found}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return 0
 
 

@@ -11,7 +11,6 @@ spot for a robot, that is said, and nothing is driven.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -21,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.driving.drive_metrics import Course, Incident, drive_metrics
 from rsegen.driving.recording import RobotRun, record_drive
@@ -106,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record = {"machine": machine(), "simulators": list(map(str, installed)), "starts": [asdict(each) for each in found]}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return int(any(each.tilt is not None and not each.is_level for each in found))
 
 
