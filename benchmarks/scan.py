@@ -51,7 +51,6 @@ PLACES = {"above": (0.7, 2.2), "aside": (1.4, 1.5)}
 VIEWS = (1, 2, 3, 4)
 NOISES_MM = (0, 5, 10, 15)
 TILT = np.radians(30)
-NO_GAZEBO = 3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
