@@ -124,7 +124,7 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
     layout, shards_run = plan.layout, plan.run
     with _opened(plan) as store:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
-        existing = [] if plan.replaces else shards_run.existing
+        existing = shards_run.existing  # none if another data set is replaced
         journal = store.journal.content
         kept = [name for number in existing for name in names[number]]
         if len(existing) == layout.shards and is_intact(store.folder, MANIFEST, journal):
