@@ -26,7 +26,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 
 import rsegen
-from benchmarks.figures import RESULTS, keep, record_in
+from benchmarks.figures import RESULTS, keep, record_in, say
 from benchmarks.machine import machine
 from rsegen.driving.drive import DrivenRobot, driven_robot
 from rsegen.driving.recording import DriveRecording, RobotRun, record_drive, record_embedded
@@ -147,7 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
     for simulator, name in product(simulators, options.robots):
         lanes = [Drive(**drive).lane for drive in record.get("drives", ()) if drive["simulator"] == CLASSIC]
-        found = list(drives(simulator, name, _say, lanes if simulator == MUJOCO else ()))
+        found = list(drives(simulator, name, say, lanes if simulator == MUJOCO else ()))
         record = merged(record, simulator, versions[simulator], found)
     print("\n".join(table(record)))
     if not options.only_print:
@@ -412,10 +412,6 @@ def best_limit(found: Sequence[Drive]) -> tuple[float, int]:
     right = {float(limit): int(((steps <= limit) == crossed).sum()) for limit in (-1.0, *np.unique(steps))}
     most = max(right.values())
     return min(limit for limit, count in right.items() if count == most), most
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -73,6 +74,11 @@ class Results:
 def record_in(path: Path) -> Any:
     """Return the record in a file."""
     return json.loads(path.read_text("utf-8"))
+
+
+def say(line: str) -> None:
+    """Print a line on the progress of a benchmark."""
+    print(line, file=sys.stderr, flush=True)
 
 
 def keep(record: object, path: Path) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_flaws
-from benchmarks.figures import RESULTS, keep, record_in
+from benchmarks.figures import RESULTS, keep, record_in, say
 from benchmarks.gazebo_depth import depth_clouds
 from benchmarks.machine import machine
 from rsegen.errors import RsegenError, ScanError
@@ -82,10 +82,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     seeds = range(1, options.seeds + 1)
     before: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
-    found = [asdict(each) for each in cast_trials(seeds, _say)]
+    found = [asdict(each) for each in cast_trials(seeds, say)]
     here = SIMULATORS["classic"].installation()
     try:
-        seen = [asdict(each) for each in gazebo_trials(seeds, here, _say)] if here else []
+        seen = [asdict(each) for each in gazebo_trials(seeds, here, say)] if here else []
     except RsegenError as error:
         seen = []
         print(f"no rows of Gazebo: {error}", file=sys.stderr)
@@ -220,10 +220,6 @@ def _share(part: int, whole: int) -> str:
     if not whole:
         return ""
     return "100 %" if part == whole else f"{min(100 * part / whole, 99.99):.2f} %"
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.figures import RESULTS, keep
+from benchmarks.figures import RESULTS, keep, say
 from benchmarks.machine import machine
 from rsegen.driving.drive_metrics import Course, Incident, drive_metrics
 from rsegen.driving.recording import RobotRun, record_drive
@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not installed:
         print("no Gazebo here: run scripts/gazebo-classic", file=sys.stderr)
         return 3
-    found = [each for here in installed for each in starts(here, options.examples, SEEDS, say=_say)]
+    found = [each for here in installed for each in starts(here, options.examples, SEEDS, say=say)]
     record = {"machine": machine(), "simulators": list(map(str, installed)), "starts": [asdict(each) for each in found]}
     print("\n".join(table(record)))
     if not options.only_print:
@@ -189,10 +189,6 @@ def _cells(found: Sequence[Start]) -> Iterator[str]:
     yield f"{max((each.tilt or 0 for each in tried), default=0):.1f} degrees"
     yield f"{100 * max((abs(each.fall or 0) for each in tried), default=0):.1f} cm"
     yield ", ".join(dict.fromkeys(each.example for each in found if each.tilt is None)) or "none"
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
