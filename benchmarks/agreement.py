@@ -29,7 +29,7 @@ from time import process_time
 from typing import Any, NamedTuple, cast
 
 from benchmarks import crossings
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, record_in
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.many import wilson
@@ -252,7 +252,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def loaded() -> dict[str, Any]:
     """Return the record that is kept; drives in it are rows of values, to be short."""
-    record: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
+    record: dict[str, Any] = record_in(FILE)
     columns = record.pop("columns")
     return record | {"drives": [dict(zip(columns, row, strict=True)) for row in record["drives"]]}
 
@@ -342,7 +342,7 @@ def _driven(course: Course, robot: str, simulator: str, ways: Ways, *, quick: bo
 def recorded_lanes() -> Iterator[Outcome]:
     """Yield the drives of crossings.json in Gazebo Classic."""
     same = ("robot", "field", "unit_cm", "seed", "line", "simulator", "seconds", "end_x", "tipped")
-    for drive in json.loads(crossings.FILE.read_text("utf-8"))["drives"]:
+    for drive in record_in(crossings.FILE)["drives"]:
         if drive["simulator"] == CLASSIC:
             # Where a drive ended to the side was not recorded.
             yield Outcome(course=RECORDED, aside=0.0, end_y=nan, **{name: drive[name] for name in same})

@@ -18,7 +18,7 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
 
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     model.policy.load_state_dict(untrained)
     record["walked"]["untrained"] = _walked(model, worlds)
     worlds.close()
-    options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    keep(record, options.output)
     print("\n".join(table(record)))
     return 0
 

@@ -9,7 +9,6 @@ its own, as in a shell. A command that ends with another exit code than 0 is a m
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import subprocess
 import sys
@@ -22,7 +21,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import running_server
@@ -102,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(tried, file=sys.stderr)
             record["tries"].append(asdict(tried))
     if not said.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     print(page(record))
     return 0
 

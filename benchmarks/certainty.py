@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks import crossings
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, record_in
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.many import wilson
@@ -383,7 +383,7 @@ def draw(record: Mapping[str, Any]) -> None:
 
 def loaded() -> dict[str, Any]:
     """Return the record that is kept."""
-    record: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
+    record: dict[str, Any] = record_in(FILE)
     return record
 
 

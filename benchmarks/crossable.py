@@ -12,7 +12,6 @@ Maps are of `crossable_by` and random kinds of blocks alone, with units at each 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -24,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.drive_metrics import Trajectory
@@ -183,7 +182,7 @@ def recorded(  # noqa: PLR0913  # what differs between two benchmarks of maps in
     record = {**head, name: [asdict(one) for one in found]}
     print("\n".join(table(record)))
     if not options.only_print:
-        file.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, file)
     return 0
 
 

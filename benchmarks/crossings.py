@@ -14,7 +14,6 @@ prediction is right in both. In MuJoCo the motors of wheels act back on the chas
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -27,7 +26,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 
 import rsegen
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in, say
 from benchmarks.machine import machine
 from rsegen.driving.drive import DrivenRobot, driven_robot
 from rsegen.driving.recording import DriveRecording, RobotRun, record_drive, record_embedded
@@ -145,14 +144,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in (name for name, here in versions.items() if not here):
         print(f"no {TITLES[name]} here", file=sys.stderr)
         return 3
-    record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
+    record: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
     for simulator, name in product(simulators, options.robots):
         lanes = [Drive(**drive).lane for drive in record.get("drives", ()) if drive["simulator"] == CLASSIC]
-        found = list(drives(simulator, name, _say, lanes if simulator == MUJOCO else ()))
+        found = list(drives(simulator, name, say, lanes if simulator == MUJOCO else ()))
         record = merged(record, simulator, versions[simulator], found)
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return 0
 
 
@@ -413,10 +412,6 @@ def best_limit(found: Sequence[Drive]) -> tuple[float, int]:
     right = {float(limit): int(((steps <= limit) == crossed).sum()) for limit in (-1.0, *np.unique(steps))}
     most = max(right.values())
     return min(limit for limit, count in right.items() if count == most), most
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -69,6 +71,21 @@ class Results:
         return (row for row in self.writers if row.size == size)
 
 
+def record_in(path: Path) -> Any:
+    """Return the record in a file."""
+    return json.loads(path.read_text("utf-8"))
+
+
+def say(line: str) -> None:
+    """Print a line on the progress of a benchmark."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def keep(record: object, path: Path) -> None:
+    """Write a record into its file."""
+    path.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+
+
 def saved(results: Results) -> str:
     """The results as JSON."""
     return json.dumps(asdict(results), indent=1) + "\n"
@@ -76,7 +93,7 @@ def saved(results: Results) -> str:
 
 def loaded(path: Path) -> Results:
     """The results in a JSON file."""
-    found = json.loads(path.read_text("utf-8"))
+    found = record_in(path)
     return Results(
         machine=found["machine"],
         plan=found["plan"],

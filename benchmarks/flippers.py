@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import io
-import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import rsegen
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
 from rsegen.training.crossing import Crossing
@@ -73,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--record", nargs="+", type=Path, help="put the runs of these files together")
     options = parser.parse_args(arguments)
     if options.record:
-        parts = [json.loads(path.read_text("utf-8")) for path in options.record]
+        parts = [record_in(path) for path in options.record]
         record = parts[0] | {"runs": [run for part in parts for run in part["runs"]]}
     else:
         if missing := [name for name in ("rsl_rl", "torch", "mujoco_warp") if not find_spec(name)]:
@@ -85,8 +84,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for policy in [options.policy] if options.policy else TITLES:
             for seed in [options.seed] if options.seed else SEEDS:
                 record["runs"].append(_run(policy, seed, options))
-                options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
-    options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+                keep(record, options.output)
+    keep(record, options.output)
     print("\n".join(table(record)))
     return 0
 

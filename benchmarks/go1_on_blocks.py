@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 import rsegen
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
 
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         runner.learn(5)
         runner.current_learning_iteration += 1
         record["curve"].append(_row(worlds, runner, time.monotonic() - begin))
-        options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, options.output)
     worlds.close()
     fresh = _worlds(options.walkers, 22, options, seconds=SECONDS)
     act = runner.get_inference_policy(options.device)
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with torch.inference_mode():  # in which it has been used
         runner.alg.get_policy().load_state_dict(untrained)
     record["walked"]["untrained"] = _walked(fresh, act)
-    options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    keep(record, options.output)
     print("\n".join(table(record)))
     return 0
 

@@ -8,7 +8,6 @@ docs/learning.md has them.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import sys
 import time
@@ -21,7 +20,7 @@ import numpy as np
 
 import rsegen
 from benchmarks import engines
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in
 from benchmarks.machine import machine
 from rsegen import (
     DiagonalBarrier,
@@ -126,18 +125,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return 0
 
 
 def _measured_anew(part: str) -> int:
     """Measure some of the rows; the rest of the record stays. Exit code: 0."""
-    record, (anew, word) = json.loads(FILE.read_text("utf-8")), PARTS[part]
+    record, (anew, word) = record_in(FILE), PARTS[part]
     place = next((number for number, row in enumerate(record["rows"]) if word in row["work"]), len(record["rows"]))
     kept = [row for row in record["rows"] if word not in row["work"]]
     record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
     record["later"] = {**record.get("later", {}), part: machine()}
-    FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    keep(record, FILE)
     return 0
 
 

@@ -9,7 +9,6 @@ Kept in benchmarks/results/many_worlds.json; docs/learned.md has it. On a GPU tw
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rsegen
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
 from rsegen.driving.planning import required_simulator
@@ -76,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         record["versions"] = {name: version(name) for name in libraries}
         for robot in options.robots:
             record["robots"][robot] = _measured(robot, options)
-            options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+            keep(record, options.output)
     print("\n".join(table(record)))
     return 0
 

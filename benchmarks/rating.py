@@ -15,7 +15,6 @@ intervals are compared; with other motors and friction, a maker's at another spe
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -29,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rsegen
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
 from rsegen.params.streams import generator
@@ -148,30 +147,26 @@ ROBOTS = (
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
-    record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
+    record: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
     if options.file:
         robots = [Robot(options.file, seed=seed, speed=options.speed) for seed in SEEDS]
         made = [{**_rated(robot), "kind": options.name} for robot in robots]
-        record = json.loads(FILE.read_text("utf-8"))  # another run may have added to it meanwhile
+        record = record_in(FILE)  # another run may have added to it meanwhile
         others = [row for row in record["makers"] if (row["kind"], row["speed"]) != (options.name, options.speed)]
         record["makers"] = [*others, *made]
-        _keep(record)
+        keep(record, FILE)
     elif not options.only_print:
         if not options.add:
             record |= {"machine": machine(), "simulated": list(simulated())}
             record |= {} if options.simulated else {"robots": []}
-            _keep(record)
+            keep(record, FILE)
         known = [_robot(row) for row in record["robots"]]
         for robot in () if options.simulated else (robot for robot in ROBOTS if robot not in known):
             record["robots"].append(_rated(robot))
             record["robots"].sort(key=lambda row: ROBOTS.index(_robot(row)))
-            _keep(record)
+            keep(record, FILE)
     print("\n".join(table(record)))
     return 0
-
-
-def _keep(record: Mapping[str, Any]) -> None:
-    FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
 
 
 def simulated(runs: int = RUNS, curves: Sequence[Curve] = CURVES) -> Iterator[dict[str, Any]]:

@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, say
 from benchmarks.machine import machine
 from benchmarks.mujoco_robots import STEP, blocks, free_robot, model, pose_of, version
 from benchmarks.report import short
@@ -139,7 +139,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 3
     found, apart = [], []
     for name in options.robots:
-        rests, between = _of_robot(here, ROBOTS[name], _say)
+        rests, between = _of_robot(here, ROBOTS[name], say)
         found += rests
         apart += between
     record = {
@@ -424,10 +424,6 @@ def middle_and_high(values: Sequence[float]) -> str:
     """Return the median and the 90th percentile."""
     middle, high = np.percentile(values, [50, 90])
     return f"{middle:.2f}, {high:.2f}"
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -9,7 +9,6 @@ Cameras stand evenly around the field and look at its middle. Without a Gazebo a
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -20,7 +19,7 @@ import numpy as np
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_flaws
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, record_in, say
 from benchmarks.gazebo_depth import depth_clouds
 from benchmarks.machine import machine
 from rsegen.errors import RsegenError, ScanError
@@ -52,7 +51,6 @@ PLACES = {"above": (0.7, 2.2), "aside": (1.4, 1.5)}
 VIEWS = (1, 2, 3, 4)
 NOISES_MM = (0, 5, 10, 15)
 TILT = np.radians(30)
-NO_GAZEBO = 3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -83,11 +81,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only-print", action="store_true", help="keep nothing")
     options = parser.parse_args(arguments)
     seeds = range(1, options.seeds + 1)
-    before: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
-    found = [asdict(each) for each in cast_trials(seeds, _say)]
+    before: dict[str, Any] = record_in(FILE) if FILE.exists() else {}
+    found = [asdict(each) for each in cast_trials(seeds, say)]
     here = SIMULATORS["classic"].installation()
     try:
-        seen = [asdict(each) for each in gazebo_trials(seeds, here, _say)] if here else []
+        seen = [asdict(each) for each in gazebo_trials(seeds, here, say)] if here else []
     except RsegenError as error:
         seen = []
         print(f"no rows of Gazebo: {error}", file=sys.stderr)
@@ -96,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record = {"machine": machine(), "simulator": simulator, "trials": found}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return 0
 
 
@@ -222,10 +220,6 @@ def _share(part: int, whole: int) -> str:
     if not whole:
         return ""
     return "100 %" if part == whole else f"{min(100 * part / whole, 99.99):.2f} %"
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ spot for a robot, that is said, and nothing is driven.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -21,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep, say
 from benchmarks.machine import machine
 from rsegen.driving.drive_metrics import Course, Incident, drive_metrics
 from rsegen.driving.recording import RobotRun, record_drive
@@ -102,11 +101,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not installed:
         print("no Gazebo here: run scripts/gazebo-classic", file=sys.stderr)
         return 3
-    found = [each for here in installed for each in starts(here, options.examples, SEEDS, say=_say)]
+    found = [each for here in installed for each in starts(here, options.examples, SEEDS, say=say)]
     record = {"machine": machine(), "simulators": list(map(str, installed)), "starts": [asdict(each) for each in found]}
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        keep(record, FILE)
     return int(any(each.tilt is not None and not each.is_level for each in found))
 
 
@@ -190,10 +189,6 @@ def _cells(found: Sequence[Start]) -> Iterator[str]:
     yield f"{max((each.tilt or 0 for each in tried), default=0):.1f} degrees"
     yield f"{100 * max((abs(each.fall or 0) for each in tried), default=0):.1f} cm"
     yield ", ".join(dict.fromkeys(each.example for each in found if each.tilt is None)) or "none"
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:

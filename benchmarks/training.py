@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import io
-import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, keep
 from benchmarks.machine import machine
 
 FILE = RESULTS / "training.json"
@@ -65,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     record: dict[str, Any] = {"machine": machine(), "versions": {name: version(name) for name in libraries}}
     with ProcessPoolExecutor(options.jobs) as pool:
         record["runs"] = list(pool.map(_run, *zip(*product(TITLES, SEEDS), strict=True)))
-    FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    keep(record, FILE)
     print("\n".join(table(record)))
     return 0
 

@@ -17,7 +17,6 @@ from functools import partial
 from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import rsegen
 from benchmarks import (
@@ -40,7 +39,7 @@ from benchmarks import (
     starts,
     training,
 )
-from benchmarks.figures import RESULTS, loaded
+from benchmarks.figures import RESULTS, loaded, record_in
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, protocol, records, reliability
 from rsegen import (
@@ -80,21 +79,7 @@ DOCS = Path(__file__).parent
 STUB = DOCS.parent / "src" / "rsegen" / "__init__.pyi"
 ARCHITECTURE = DOCS.parent / "ARCHITECTURE.md"
 README = DOCS.parent / "README.md"
-GAZEBO = DOCS / "gazebo.md"
-DATASETS = DOCS / "datasets.md"
-DRIVING = DOCS / "driving.md"
-SCAN = DOCS / "scan.md"
-LEARNING = DOCS / "learning.md"
-MUJOCO = DOCS / "mujoco.md"
-CERTAINTY = DOCS / "certainty.md"
-TRAINING = DOCS / "training.md"
-LEARNED = DOCS / "learned.md"
-POSES = DOCS / "poses.md"
 CONSTRAINTS = DOCS / "constraints.md"
-RATING = DOCS / "rating.md"
-RELIABILITY = DOCS / "reliability.md"
-ROBOTS_PAGE = DOCS / "robots.md"
-FORMATS_PAGE = DOCS / "formats.md"
 MEASURED = DOCS / "measured.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
@@ -102,7 +87,6 @@ WAYS = DOCS / "pictures" / "ways.png"
 POSE_MAPS = DOCS / "pictures" / "poses.png"
 SETTLED = DOCS / "pictures" / "settled.png"
 TERRAIN = DOCS / "pictures" / "terrain.png"
-DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
 SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
 ALGORITHMS: Mapping[str, Sequence[str]] = {
@@ -202,36 +186,49 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
 
 def _constraints() -> str:
     """Return the page of constraints with its two tables."""
-    text = filled(CONSTRAINTS.read_text("utf-8"), asked.table(json.loads(asked.FILE.read_text("utf-8"))), asked.MARKS)
-    return filled(text, crossable.table(json.loads(crossable.FILE.read_text("utf-8"))))
+    text = filled(CONSTRAINTS.read_text("utf-8"), asked.table(record_in(asked.FILE)), asked.MARKS)
+    return filled(text, crossable.table(record_in(crossable.FILE)))
+
+
+def _pages_with_a_table() -> Iterator[tuple[Path, str]]:
+    """Yield the pages that people write, each with the table in it made anew."""
+    tables = {
+        "certainty": certainty.table(certainty.loaded()),
+        "datasets": datasets.table(loaded(datasets.FILE)),
+        "difficulty": difficulty.table(),
+        "driving": starts.table(record_in(starts.FILE)),
+        "formats": _formats(),
+        "gazebo": _told_apart((RESULTS / "contact.md").read_text("utf-8")),
+        "learned": _learned(),
+        "learning": learning.table(record_in(learning.FILE)),
+        "mujoco": agreement.table(agreement.loaded(), agreement.recorded_lanes()),
+        "poses": _predictions(),
+        "rating": rating.table(record_in(rating.FILE)),
+        "reliability": reliability.table(),
+        "robots": _robots(),
+        "scan": scan.table(record_in(scan.FILE)),
+        "training": training.table(record_in(training.FILE)),
+    }
+    for name, table in tables.items():
+        page_of_table = DOCS / f"{name}.md"
+        yield page_of_table, filled(page_of_table.read_text("utf-8"), table)
 
 
 def texts() -> dict[Path, str]:
     """Every generated text by its file."""
     figures = loaded(RESULTS / "speed.json")
-    rated = json.loads(rating.FILE.read_text("utf-8"))
     contact = (RESULTS / "contact.md").read_text("utf-8")
     dated = records.dates(records.today())
     return {
+        **dict(_pages_with_a_table()),
         MEASURED: with_table(MEASURED.read_text("utf-8"), figures, records.in_short(dated, "speed")),
         DOCS / "records.md": "\n".join((_RECORDS, *records.table(dated))) + "\n",
         records.DATES: json.dumps(dated, indent=1) + "\n",
         DOCS / "benchmarks.md": page(figures),
-        DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
-        POSES: filled(POSES.read_text("utf-8"), _predictions()),
         CONSTRAINTS: _constraints(),
-        LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
-        RATING: filled(RATING.read_text("utf-8"), rating.table(rated)),
-        README: filled(README.read_text("utf-8"), rating.summary(rated)),
-        TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
-        LEARNED: filled(LEARNED.read_text("utf-8"), _learned()),
-        MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
-        SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
-        CERTAINTY: filled(CERTAINTY.read_text("utf-8"), certainty.table(certainty.loaded())),
-        DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
-        DOCS / "busy.md": busy.page(json.loads(busy.FILE.read_text("utf-8"))),
+        README: filled(README.read_text("utf-8"), rating.summary(record_in(rating.FILE))),
+        DOCS / "busy.md": busy.page(record_in(busy.FILE)),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
-        GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         protocol.FILE: protocol.protocol(),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
@@ -247,10 +244,6 @@ def texts() -> dict[Path, str]:
         DOCS / "driven.md": experiments.report_page(*load_summary(RESULTS / "driven.json")),
         DOCS / "burgers.md": experiments.report_page(*load_summary(RESULTS / "burgers.json")),
         DOCS / "representations.md": experiments.report_page(*load_summary(RESULTS / "representations.json")),
-        DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
-        RELIABILITY: filled(RELIABILITY.read_text("utf-8"), reliability.table()),
-        FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
-        ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
 
@@ -314,27 +307,23 @@ def main(arguments: list[str]) -> int:
         path.write_bytes(_rise(same_field=same_field))
     plan, results, *_ = load_summary(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
-    (DOCS / "pictures" / "flippers.png").write_bytes(flippers.plot(_record(flippers.FILE)))
-    learned = training.plot(json.loads(training.FILE.read_text("utf-8")))
+    (DOCS / "pictures" / "flippers.png").write_bytes(flippers.plot(record_in(flippers.FILE)))
+    learned = training.plot(record_in(training.FILE))
     (DOCS / "pictures" / "training.png").write_bytes(learned)
     return 0
-
-
-def _record(path: Path) -> Mapping[str, Any]:
-    return json.loads(path.read_text("utf-8"))  # type: ignore[no-any-return]
 
 
 def _learned() -> Iterator[str]:
     """Results of robots that learned in many worlds, and the cost of these."""
     yield "## A crawler and its flippers\n"
     yield "![The share of fields crossed while learning, and of unseen fields by their blocks](pictures/flippers.png)\n"
-    yield from flippers.table(_record(flippers.FILE))
+    yield from flippers.table(record_in(flippers.FILE))
     yield "\n## Many worlds\n"
-    yield from many_worlds.table(_record(many_worlds.FILE))
+    yield from many_worlds.table(record_in(many_worlds.FILE))
     yield "\n## Gymnasium's Ant\n"
-    yield from ant_on_blocks.table(_record(ant_on_blocks.FILE))
+    yield from ant_on_blocks.table(record_in(ant_on_blocks.FILE))
     yield "\n## mjlab's Go1\n"
-    yield from go1_on_blocks.table(_record(go1_on_blocks.FILE))
+    yield from go1_on_blocks.table(record_in(go1_on_blocks.FILE))
 
 
 def _ways(scene: Scene) -> bytes:
@@ -406,13 +395,13 @@ SHOWN = {
 def _predictions() -> Iterator[str]:
     """Yield the tables of poses at rest, of poses on drives, and of crossings."""
     yield "### At rest\n"
-    record = json.loads(rests.FILE.read_text("utf-8"))
+    record = record_in(rests.FILE)
     yield from rests.table(record)
     yield f"\nSpeeds are of CPU time, on: {record['machine']}."
     yield "\n### On drives\n"
-    yield from driven_poses.table(json.loads(driven_poses.FILE.read_text("utf-8")))
+    yield from driven_poses.table(record_in(driven_poses.FILE))
     yield "\n### Across\n"
-    yield from crossings.table(json.loads(crossings.FILE.read_text("utf-8")))
+    yield from crossings.table(record_in(crossings.FILE))
 
 
 def _told_apart(contact: str) -> Iterator[str]:

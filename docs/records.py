@@ -23,7 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, record_in
 
 DATES = RESULTS / "dates.json"
 ROOT = Path(__file__).parents[1]
@@ -170,7 +170,7 @@ SOURCES: Mapping[str, Source] = {
 
 def dates(today: str) -> dict[str, dict[str, Any]]:
     """Return the date, the checksum and the code of every record; of one that was changed since those of today."""
-    known = json.loads(DATES.read_text("utf-8")) if DATES.exists() else {}
+    known = record_in(DATES) if DATES.exists() else {}
     current = {}
     for path in records():
         checksum = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -245,7 +245,7 @@ def table(dated: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     aged = older(dated)
     for path in records():
         source = SOURCES.get(path.stem, Source(path.stem, ""))
-        machine = _machine(json.loads(path.read_text("utf-8")))
+        machine = _machine(record_in(path))
         code = f"{state(dated, path.stem)}{f', {OLDER}' * (path.stem in aged)}"
         yield f"| {source.page} | {dated[path.stem]['date']} | {code} | `{source.command}` | {machine} |"
 

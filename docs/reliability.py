@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 from benchmarks import syncing
-from benchmarks.figures import RESULTS
+from benchmarks.figures import RESULTS, record_in
 
 FUZZ, CRASH = RESULTS / "fuzz.json", RESULTS / "crash.json"
 
 
 def table() -> Iterator[str]:
     """The last results as lines of Markdown."""
-    crash = _loaded(CRASH)
+    crash = record_in(CRASH)
     disks, experiments = crash["disks"], crash["experiments"]
     yield "| trial | date | seed | tried | failed |"
     yield "|---|---|---|---|---|"
-    for fuzz in _loaded(FUZZ):
+    for fuzz in record_in(FUZZ):
         family = fuzz.get("family", "all")
         command = "`make fuzz`" if family == "all" else f"`python -m tests.fuzz --family {family}`"
         cells = fuzz["date"], f"{fuzz['seed']}", f"{fuzz['cases']:,} {_CASES[family]}", f"{fuzz['fail']}"
@@ -35,7 +33,7 @@ def table() -> Iterator[str]:
     yield from _by_disk(disks)
     yield from (f"\nNot tried on {disk}: {why}." for disk, why in crash["skipped"].items() if disk not in disks)
     yield "\nWaiting for the disk costs:\n"
-    yield from syncing.table(_loaded(syncing.FILE))
+    yield from syncing.table(record_in(syncing.FILE))
 
 
 _CASES = {
@@ -75,7 +73,3 @@ def _by_disk(disks: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
         cells = [disk["counts"].get(kind, {"tried": 0, "failed": 0}) for disk in disks.values()]
         shares = [f"{cell['failed']} / {cell['tried']}" for cell in cells]
         yield f"| {words} | {' | '.join(shares)} |"
-
-
-def _loaded(path: Path) -> Any:
-    return json.loads(path.read_text("utf-8"))

@@ -6,8 +6,8 @@ from rsegen.cli.generate import generate as generate
 from rsegen.datasets.commands import make_dataset as make_dataset
 from rsegen.datasets.commands import series as series
 from rsegen.datasets.reading import Dataset as Dataset
+from rsegen.datasets.reading import Tiles as Tiles
 from rsegen.datasets.series import Series as Series
-from rsegen.datasets.tiles import Tiles as Tiles
 from rsegen.driving.certainty import with_certainty as with_certainty
 from rsegen.driving.commands import drive as drive
 from rsegen.driving.commands import drive_many as drive_many

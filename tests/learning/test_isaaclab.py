@@ -292,8 +292,9 @@ def test_holes_are_below_the_ground_that_is_z_0(isaaclab: Any, kind: str) -> Non
         ({"recipe": replace(RECIPE, difficulty=(0, 1))}, None, "difficulty: .* is a range, and tiles have their own"),
         ({"recipe": [RECIPE]}, None, r"recipe: \[.*\] is not a recipe; pass one, and a sub-terrain for each"),
         ({"mesh": "boxes"}, None, r"unknown mesh 'boxes' .*merged, watertight"),
+        ({"spawn_radius": -1}, None, r"spawn_radius: -1 is outside 0\.\.100"),
     ],
-    ids=["larger", "no multiple", "frictions", "range", "a list", "mesh"],
+    ids=["larger", "no multiple", "frictions", "range", "a list", "mesh", "radius"],
 )
 def test_impossible_values_are_refused(isaaclab: Any, values: Any, size: Any, message: str) -> None:
     def made() -> None:

@@ -248,6 +248,10 @@ def test_impossible_values_are_refused(mjlab: Any) -> None:
         mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="hfield")
     with pytest.raises(UnknownName, match=r"unknown shape 'mesh' .*boxes, hfield"):
         mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="mesh")
+    with pytest.raises(ParameterError, match=r"samples: 0 is outside 1\.\.20"):
+        mjlab.StepFieldTerrainCfg(recipe=replace(RECIPE, level_friction=None), shape="hfield", samples=0)
+    with pytest.raises(ParameterError, match=r"spawn_radius: -1 is outside 0\.\.100"):
+        mjlab.StepFieldTerrainCfg(recipe=RECIPE, spawn_radius=-1)
     with pytest.raises(ParameterError, match=r"recipe: \[.*\] is not a recipe; pass one, and a sub-terrain for each"):
         mjlab.StepFieldTerrainCfg(recipe=[RECIPE])
     with pytest.raises(ParameterError, match="size: a map of 10 x 10 cells is larger than a tile of 5 x 5"):

@@ -136,6 +136,13 @@ def test_a_map_has_no_mass() -> None:
     assert model.body(body.name).pos.tolist() == [0, 0, 1]
 
 
+def test_a_place_that_is_none_is_refused_of_maps_and_terrains() -> None:
+    terrain = rsegen.Terrain(recipes=replace(RECIPE, level_friction=None), rows=1, columns=1)
+    for add, what in ((adapter.add_map, rsegen.compose(RECIPE, 0)), (adapter.add_terrain, terrain)):
+        with pytest.raises(ParameterError, match=r"pos: \(1, 2\) is not x, y and z in metres"):
+            add(mujoco.MjSpec(), what, pos=(1, 2))
+
+
 def test_values_that_a_grid_cannot_hold_are_refused() -> None:
     with pytest.raises(ParameterError, match="boundary: 'divided' has frames"):
         adapter.BlockGrid(Recipe(seed=1))

@@ -12,6 +12,7 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe
+from rsegen.datasets import making
 from rsegen.datasets.layout import ShardLayout
 from rsegen.datasets.making import plan_dataset
 from rsegen.datasets.series import plan_series
@@ -126,12 +127,14 @@ def test_a_plan_of_a_series_says_which_of_its_maps_exist(tmp_path: Path) -> None
     assert list(plan.existing) == [0, 2, 3]
 
 
-def test_a_plan_of_a_data_set_says_which_shards_are_missing(tmp_path: Path) -> None:
+def test_a_plan_of_a_data_set_says_which_shards_are_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rsegen.make_dataset(RECIPE, tmp_path, shard_maps=1)
     (tmp_path / "levels-00002.npy").unlink()
+    sizes: list[int] = []
+    monkeypatch.setattr(making, "refuse_full", lambda size, _: sizes.append(size))
     plan = plan_dataset(ShardLayout(recipes=[RECIPE], shard_maps=1), tmp_path, OnExisting.KEEP)
     assert (list(plan.run.to_make), sorted(plan.run.existing)) == ([2], [0, 1, 3])
-    assert plan.disk == plan.layout.bytes_per_map
+    assert sizes == [plan.layout.bytes_per_map]
 
 
 def test_workers_are_no_more_than_fit_into_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

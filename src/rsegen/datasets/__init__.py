@@ -33,9 +33,8 @@ CAPABILITY = Capability(
     ),
     public={
         "rsegen.datasets.commands": ("make_dataset", "series"),
-        "rsegen.datasets.reading": ("Dataset",),
+        "rsegen.datasets.reading": ("Dataset", "Tiles"),
         "rsegen.datasets.series": ("Series",),
-        "rsegen.datasets.tiles": ("Tiles",),
     },
     extras=(DATASET,),
     targets="rsegen.datasets.layout:recipe_of_place",

@@ -42,15 +42,10 @@ class SeriesProgress(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DatasetPlan:
-    """A run that makes the shards of a data set, the bytes of disk that they need, and how many maps exist already.
-
-    replaces: whether it replaces another data set in the folder
-    """
+    """A run that makes the shards of a data set; replaces: whether it replaces another data set in the folder."""
 
     layout: ShardLayout
     run: RunPlan[int, int]
-    disk: int
-    existing_maps: int
     replaces: bool
 
 
@@ -71,8 +66,7 @@ def plan_dataset(
     replaces = not is_new and on_existing is OnExisting.REPLACE
     if replaces:
         refuse_irreplaceable(folder, HOLDS)
-    disk = (layout.maps - maps_in(layout, existing)) * layout.bytes_per_map
-    refuse_full(disk, folder)
+    refuse_full((layout.maps - maps_in(layout, existing)) * layout.bytes_per_map, folder)
     known, obstacles = frozenset(existing), max(len(recipe.obstacles) for recipe in layout.recipes)
     return DatasetPlan(
         layout=layout,
@@ -86,8 +80,6 @@ def plan_dataset(
             execution=replace(execution, workers=min(execution.workers, *map(maps_in_memory, layout.recipes))),
             what="shards",
         ),
-        disk=disk,
-        existing_maps=maps_in(layout, existing),
         replaces=replaces,
     )
 
@@ -132,7 +124,7 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
     layout, shards_run = plan.layout, plan.run
     with _opened(plan) as store:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
-        existing = [] if plan.replaces else shards_run.existing
+        existing = shards_run.existing  # none if another data set is replaced
         journal = store.journal.content
         kept = [name for number in existing for name in names[number]]
         if len(existing) == layout.shards and is_intact(store.folder, MANIFEST, journal):

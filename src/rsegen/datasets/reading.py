@@ -3,6 +3,14 @@
 Only what is indexed is read from the disk, in microseconds per map, however many there are. Arrays and tables of
 metrics are converted to files and back; the same values give the same bytes, except for Parquet's, which depend on
 pyarrow.
+
+Maps are also laid out as tiles of a terrain, for curriculum learning:
+
+    rows (+x): from the easiest map to the hardest     columns (+y): maps of about the same difficulty, or a recipe each
+
+They are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
+Cost: a sort per row; a metric that is not in the table of the data set is measured map by map, which costs most. What
+breaks it: a metric with few different values, of which neighbouring rows then have the same.
 """
 
 from __future__ import annotations
@@ -12,23 +20,23 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsegen import npy_files
 from rsegen.datasets import DATASET
+from rsegen.datasets.difficulty_tiles import amid, kind_of_column
 from rsegen.datasets.layout import ROW, Shard, ShardLayout, read_manifest, refuse_other_checksums, refuse_other_sizes
-from rsegen.datasets.tiles import Tiles, tiles
-from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError, shown
+from rsegen.errors import DatasetDamaged, FileError, ParameterError, UnknownName, UserError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.input_files import open_regular
 from rsegen.measuring.batch import COLUMNS, Table, batch_metrics
-from rsegen.measuring.catalogue import RMS, By
+from rsegen.measuring.catalogue import RMS, By, metric_by
 from rsegen.params.extras import pip_install
-from rsegen.params.sorts import FilePath, Integer, as_int
+from rsegen.params.sorts import Choice, FilePath, Integer, as_int
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
@@ -148,6 +156,38 @@ class LevelsOfMaps:
             here = numbers == number
             levels[here] = self._shard(int(number))[rows[here]]
         return levels
+
+
+SPACING = Choice(("value", "rank"))
+"""Spacing of the rows: even in the metric itself, or in its rank among all maps."""
+
+
+class Tiles(NamedTuple):
+    """A terrain, as IsaacLab, mjlab and legged_gym lay theirs out: difficulty rises along x, from row to row.
+
+    Attributes
+    ----------
+    levels : ndarray, shape (rows, columns, n_x, n_y)
+        Block levels, frames left out.
+    heights : ndarray, shape (rows, columns, cells_x, cells_y)
+        Heights in metres, frames counted.
+    origins : ndarray, shape (rows, columns, 3)
+        The middle of each tile, metres, all together centred on x = y = 0; z is the height of the highest cell that
+        meets there, so that a robot does not start inside a block.
+    places : ndarray of int, shape (rows, columns)
+        Which map of the data set it is.
+    difficulty : ndarray of float32, shape (rows, columns)
+        Its metric.
+    size : tuple of float
+        Metres of one tile along x and y, frames counted.
+    """
+
+    levels: Ints
+    heights: Array
+    origins: Array
+    places: NDArray[np.intp]
+    difficulty: NDArray[np.float32]
+    size: tuple[float, float]
 
 
 class Dataset:
@@ -280,7 +320,40 @@ class Dataset:
         spacing: `value`, the metric rises evenly from the least to the greatest of each recipe; or `rank`, its rank.
         recipes: the names of those of the columns, each in as many neighbouring ones as the others; all by default.
         """
-        return tiles(self, rows, columns, by, robot, spacing=spacing, recipes=recipes)
+        # For each recipe the maps of its columns, then what they are as a terrain.
+        spacing = SPACING.check("spacing", spacing)
+        rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
+        kinds = _kinds(self, recipes, columns)
+        wanted = np.isin(self.recipe_numbers, kinds)
+        figures, named = _figures(self, by, robot, wanted)
+        places = np.empty((rows, columns), dtype=np.intp)
+        for kind in np.unique(kinds):
+            own = np.flatnonzero((self.recipe_numbers == kind) & ~np.isnan(figures))
+            own = own[np.argsort(figures[own], kind="stable")]  # from the least to the greatest
+            count = int((kinds == kind).sum())
+            if rows * count > len(own):
+                of = "" if len(self.recipes) == 1 else f" of {self.recipes[kind].name}"
+                raise ParameterError(
+                    "rows", f"{rows} x {count} tiles{of} need as many maps, and {len(own)} have a {named}"
+                )
+            if spacing == "rank":
+                ranks = np.linspace(0, len(own) - 1, rows * count).round().astype(np.intp)
+                places[:, kinds == kind] = own[ranks].reshape(rows, count)
+            else:
+                places[:, kinds == kind] = _by_value(figures, own, rows, count)
+        levels = self[places.ravel()]
+        heights = np.array([self.layout.field(blocks).heights for blocks in levels])
+        size = self.layout.flat_field.extent
+        x, y = ((np.arange(n) - (n - 1) / 2) * side for n, side in zip((rows, columns), size, strict=True))
+        middles = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+        return Tiles(
+            levels=levels.reshape(rows, columns, *levels.shape[1:]),
+            heights=heights.reshape(rows, columns, *heights.shape[1:]),
+            origins=np.concatenate([middles, amid(heights).reshape(rows, columns, 1)], axis=-1),
+            places=places,
+            difficulty=figures[places],
+            size=size,
+        )
 
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.
@@ -293,3 +366,38 @@ class Dataset:
                 raise DatasetDamaged(
                     f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"
                 )
+
+
+def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArray[np.intp]:
+    """Return the number of the recipe of each column."""
+    known = {recipe.name: kind for kind, recipe in enumerate(dataset.recipes)}
+    wanted = list(known) if names is None else names
+    if isinstance(wanted, str) or not isinstance(wanted, Sequence):
+        raise ParameterError("recipes", f"{shown(names)} is not a list of names of recipes")
+    for index, name in enumerate(wanted):
+        if not isinstance(name, str) or name not in known:
+            raise UnknownName.among(f"recipes[{index}]", "recipe", name, known)
+    if not 0 < len(wanted) <= columns:
+        raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; use at most one per column")
+    return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
+
+
+def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
+    """Return row by row the unused maps nearest to evenly spaced values, from the least to the greatest."""
+    values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
+    places = np.empty((rows, columns), dtype=np.intp)
+    for row, target in enumerate(np.linspace(values[0], values[-1], rows)):
+        left = np.flatnonzero(free)
+        nearest = np.sort(left[np.argsort(np.abs(values[left] - target), kind="stable")[:columns]])
+        free[nearest], places[row] = False, ranked[nearest]
+    return places
+
+
+def _figures(dataset: Dataset, by: By, robot: CrossingModel | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
+    """Return a metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
+    metric = metric_by(by, robot)
+    if isinstance(by, str) and by in COLUMNS and robot is None:
+        return dataset.metrics[by], by
+    figures = np.full(len(dataset), np.nan, dtype=np.float32)
+    figures[wanted] = [metric(dataset.field(int(place))) for place in np.flatnonzero(wanted)]
+    return figures, metric.name

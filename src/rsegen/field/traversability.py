@@ -59,11 +59,6 @@ def ground(field: StepField, width: float) -> PathGround:
     return PathGround(heights, rows=field.inside(1), columns=field.inside(0))
 
 
-def below(field: StepField, width: float, cells: Mask) -> Mask:
-    """Return the blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
-    return np.asarray((widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
-
-
 def lane(field: StepField, width: float, axis: int) -> PathGround:
     """Return the ground with level ground before and behind the field along an axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1

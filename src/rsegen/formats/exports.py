@@ -210,9 +210,8 @@ def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
     name = item.recipe.map_name(item.index)
     home, bundle = folder / name, exported(compose(item.recipe, item.index), item.formats)
     if item.adds:  # to a map whose recipe.json stays, and whose formats.json lists the new formats too
-        listed = {**(listed_formats(str(home)) or {}), **recorded_options(item.formats)}
         bundle = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
-        bundle[PurePosixPath(FORMATS_FILE)] = [as_json(listed)]
+        bundle = {**bundle, **FormatFiles(item.formats).lists(str(home))}
     names = frozenset(format_.name for format_ in item.formats)
     return Output(
         made=ExportedMap(folder=home, names=sorted_names(bundle)),

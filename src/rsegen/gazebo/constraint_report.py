@@ -251,13 +251,9 @@ def block_warnings(scene: Scene) -> Iterator[str]:
 
 def _counts_are_kept(scene: Scene) -> bool:
     """Return whether the map has the blocks that its random obstacles count, as it would have without constraints."""
-    from rsegen.obstacles.random import Random
+    from rsegen.recipe.constraints.meeting import counts_blocks
 
-    counting = (isinstance(row, Random) and row.counts for _, row in scene.recipe.enabled_obstacles)
-    if not any(counting):
-        return True
-    design = build(replace(scene.recipe, max_step=None, crossable_by=None), scene.index)
-    return design.level_counts() == scene.field.level_counts()
+    return not counts_blocks(scene.recipe) or _as_asked(scene).level_counts() == scene.field.level_counts()
 
 
 def _inventory(scene: Scene, owned: Sequence[int]) -> dict[str, dict[int, int]]:

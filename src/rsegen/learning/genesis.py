@@ -16,10 +16,7 @@ import numpy as np
 from rsegen.errors import refuse_other
 from rsegen.field.stepfield import StepField
 from rsegen.learning.ground import position_of
-from rsegen.learning.tile import corner_heights
-from rsegen.params.sorts import Integer
-
-_SAMPLES = Integer(1, 20)
+from rsegen.learning.tile import SAMPLES, corner_heights
 
 
 def terrain_morph(field: StepField, pos: Sequence[float] = (0, 0, 0), samples: int = 4) -> Any:
@@ -29,7 +26,7 @@ def terrain_morph(field: StepField, pos: Sequence[float] = (0, 0, 0), samples: i
     higher block begins at its edge, and ends on the lower one, a sample farther on.
     """
     refuse_other("field", field, StepField)
-    samples, middle = _SAMPLES.check("samples", samples), position_of(pos)
+    samples, middle = SAMPLES.check("samples", samples), position_of(pos)
     return gs.morphs.Terrain(
         pos=tuple((middle - [*np.array(field.extent) / 2, 0.0]).tolist()),
         horizontal_scale=field.block_width / samples,

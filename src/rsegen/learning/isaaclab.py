@@ -26,7 +26,7 @@ from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning import MESH
-from rsegen.learning.tile import check_recipe, hashed_index, tile
+from rsegen.learning.tile import SPAWN_RADIUS, check_recipe, hashed_index, tile
 from rsegen.params.extras import pip_install
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.recipe import Recipe
@@ -81,6 +81,7 @@ class StepFieldTerrainCfg(_Parameters):
             raise ParameterError("level_friction", problem)
         if self.mesh not in MESHES:
             raise UnknownName.among("mesh", "mesh", self.mesh, MESHES)
+        SPAWN_RADIUS.check("spawn_radius", self.spawn_radius)
         super().__post_init__()
         if is_copy and self._sort in _COUNTS:
             self.tile = _COUNTS[self._sort]

@@ -22,10 +22,7 @@ from rsegen.field.stepfield import Levels
 from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning.ground import unframed
 from rsegen.learning.terrain import Terrain
-from rsegen.learning.tile import Tile, highest_near
-from rsegen.params.sorts import Float, Integer
-
-_SAMPLES, _RADIUS = Integer(1, 20), Float(0, 100)
+from rsegen.learning.tile import SAMPLES, SPAWN_RADIUS, Tile, highest_near
 
 
 class StepFieldTerrain:
@@ -50,7 +47,7 @@ class StepFieldTerrain:
         surface: str = "merged",
     ) -> None:
         refuse_other("terrain", terrain, Terrain)
-        samples, radius = _SAMPLES.check("samples", samples), _RADIUS.check("spawn_radius", spawn_radius)
+        samples, radius = SAMPLES.check("samples", samples), SPAWN_RADIUS.check("spawn_radius", spawn_radius)
         if surface not in MESHES:
             raise UnknownName.among("surface", "mesh", surface, MESHES)
         if cfg.mesh_type != "trimesh":

@@ -23,7 +23,7 @@ from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
 from rsegen.learning.ground import friction_by_level
 from rsegen.learning.mujoco import add_box, add_height_field
-from rsegen.learning.tile import Tile, check_recipe, slope_length, tile
+from rsegen.learning.tile import SAMPLES, SPAWN_RADIUS, Tile, check_recipe, slope_length, tile
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
@@ -57,6 +57,8 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
         check_recipe(self.recipe)
         if self.shape not in _SHAPES:
             raise UnknownName.among("shape", "shape", self.shape, _SHAPES)
+        SAMPLES.check("samples", self.samples)
+        SPAWN_RADIUS.check("spawn_radius", self.spawn_radius)
         if self.shape == "hfield" and not self.recipe.is_of_one_friction:
             raise ParameterError("level_friction", "a height field has one friction; set only `friction`, or use boxes")
 

@@ -21,6 +21,7 @@ from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.box_merging import Column, columns
 from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
+from rsegen.learning.ground import position_of
 from rsegen.learning.terrain import Terrain
 from rsegen.learning.tile import lowered_columns
 from rsegen.recipe.recipe import Recipe, as_recipes
@@ -48,7 +49,7 @@ def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: 
     """
     refuse_other("scene", scene, Scene)
     let_touch(spec)
-    body = spec.worldbody.add_body(name=scene.name, pos=list(pos))
+    body = spec.worldbody.add_body(name=scene.name, pos=position_of(pos).tolist())
     for index, column in enumerate(columns(scene.field)):
         geom = add_box(body, column, contact.attributes(scene.friction_of(column.material)))
         geom.name = f"{scene.name}_{index}"
@@ -64,7 +65,7 @@ def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), c
     """
     refuse_other("terrain", terrain, Terrain)
     let_touch(spec)
-    body = spec.worldbody.add_body(name=terrain.name, pos=list(pos))
+    body = spec.worldbody.add_body(name=terrain.name, pos=position_of(pos).tolist())
     field, frictions, look = (
         terrain.field,
         terrain.frictions,

@@ -25,12 +25,12 @@ from rsegen.errors import ParameterError, UserError, refuse_other
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import unframed
-from rsegen.learning.tile import corner_heights, highest_near, slope_length
+from rsegen.learning.tile import SAMPLES, corner_heights, highest_near, slope_length
 from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.batch import build_many
 from rsegen.recipe.recipe import Recipe
 
-_SAMPLES, _BORDER, _RADIUS = Integer(1, 20), Integer(0, 10_000), Float(0.01, 100)
+_BORDER, _RADIUS = Integer(0, 10_000), Float(0.01, 100)
 
 
 class Floor:
@@ -47,7 +47,7 @@ class Floor:
             name = "level_friction" if recipe.boundary == "none" else "boundary"
             raise ParameterError(name, "a height field has one friction and no frames; set only `friction`")
         self.recipe: Recipe = recipe
-        self._border, self._samples = _BORDER.check("border", border), _SAMPLES.check("samples", samples)
+        self._border, self._samples = _BORDER.check("border", border), SAMPLES.check("samples", samples)
         self._radius = _RADIUS.check("spawn_radius", spawn_radius)
         self._first = self.field(build_many(recipe, [recipe.first_map])[0])
         low = float(self._first.heights.min())

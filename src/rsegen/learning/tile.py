@@ -20,8 +20,15 @@ from rsegen.geometry.box_merging import Column, columns
 from rsegen.geometry.mesh_kinds import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
+from rsegen.params.sorts import Float, Integer
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
+
+SAMPLES = Integer(1, 20)
+"""Heights along each side of a block of a height field."""
+
+SPAWN_RADIUS = Float(0, 100)
+"""Metres around the middle of a tile above whose highest block its origin is."""
 
 _SAME = 1e-6
 """Metres below which lengths count as equal: a size of 8 m is not exactly 80 times 0.1 m."""

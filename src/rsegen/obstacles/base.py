@@ -388,7 +388,7 @@ class Layout(Filling):
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
-        return square_ends(grid, first, last, rng)
+        return square_ends(grid.shape, grid.chunk_size, first, last, rng)
 
     @property
     def draws_nothing(self) -> bool:

@@ -7,16 +7,12 @@ are arrays with a value for each map. Kinds whose ends do not depend on each oth
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rsegen.params.arrays import greatest, least, where
 from rsegen.params.sorts import Cell, Coordinate, Place
 from rsegen.params.streams import Streams, randint
-
-if TYPE_CHECKING:
-    from rsegen.obstacles.base import Grid
 
 
 def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
@@ -31,19 +27,25 @@ def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng:
     return first, last
 
 
-def ends_of_size(grid: Grid, first: Place, last: Place, size: Cell, rng: np.random.Generator) -> tuple[Cell, Cell]:
+def ends_of_size(map_size: Cell, first: Place, last: Place, size: Cell, rng: np.random.Generator) -> tuple[Cell, Cell]:
     """Return ends; random ones make a rectangle of this size, in cells, inside the map."""
     (x1, x2), (y1, y2) = (
-        random_ends(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, size, grid.shape, strict=True)
+        random_ends(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, size, map_size, strict=True)
     )
     return (x1, y1), (x2, y2)
 
 
-def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
+def square_ends(
+    map_size: Cell, chunk_size: int, first: Place, last: Place, rng: np.random.Generator
+) -> tuple[Cell, Cell]:
+    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given.
+
+    map_size: cells along x and y; chunk_size: L
+    """
     given = [abs(a - b) + 1 for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-    side = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size)
-    return ends_of_size(grid, first, last, (least(side, grid.n_x), least(side, grid.n_y)), rng)
+    side = given[0] if given else randint(rng, (chunk_size + 1) // 2, chunk_size)
+    n_x, n_y = map_size
+    return ends_of_size(map_size, first, last, (least(side, n_x), least(side, n_y)), rng)
 
 
 def _at_distance(at: int, span: int, cells: int) -> int:

@@ -137,7 +137,7 @@ class Matrix(Obstacle):
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of the size of the matrix inside the map."""
-        return ends_of_size(grid, first, last, self.size, rng)
+        return ends_of_size(grid.shape, first, last, self.size, rng)
 
     @property
     def draws_nothing(self) -> bool:

@@ -57,7 +57,7 @@ class Platform(Sloped):
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of `size` inside the map."""
         (own_x, own_y), (n_x, n_y) = self.size, grid.shape
-        return ends_of_size(grid, first, last, (min(own_x, n_x), min(own_y, n_y)), rng)
+        return ends_of_size(grid.shape, first, last, (min(own_x, n_x), min(own_y, n_y)), rng)
 
     @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:

@@ -158,8 +158,6 @@ class CommandForm:
             made = {**made, "schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
         if action.nargs == "+":
             made = {**made, "schema": {"type": "array", "items": made["schema"], "minItems": 1}}
-        if action.option_strings:
-            made["flag"] = action.option_strings[-1]
         if action.required:
             made["missing"] = _missing(made)
         return {**made, "required": action.required}

@@ -77,7 +77,6 @@ class Schema(TypedDict, total=False):
 class OfCommand(TypedDict, total=False):
     """Additional keys of a field of a command."""
 
-    flag: str
     required: bool  # it does not run without
     missing: str  # what to say if it is required and not given: "Choose at least one format."
 

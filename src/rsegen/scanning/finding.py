@@ -336,12 +336,10 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
     tops = on_tops(upright, unit, ground.noise, pixel)
     reading, unit = levelled(read_cells(upright, tops, grid, unit, ground.noise), unit)
-    below = units_below(reading, unit)
-    reading = replace(reading, heights=reading.heights + below * unit)
     nominal_width = width or sold_length(grid.width)
-    return _Gridded(
+    gridded = _Gridded(
         reading=reading,
-        transform=Transform.of(ground, grid, reading, base - below * unit).after(middle),
+        transform=Transform.of(ground, grid, reading, base).after(middle),
         noise=ground.noise,
         unit=unit,
         width=grid.width,
@@ -350,6 +348,7 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
         nominal_width=nominal_width,
         base=base,
     )
+    return gridded.raised(units_below(reading, unit) * unit)
 
 
 def _usable(points: Array) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -122,7 +123,8 @@ class Scan:
     @property
     def blocks(self) -> Ints:
         """The levels without frames, -1 where a block was not seen."""
-        return self.levels[np.ix_(~self.frame.all(axis=1), ~self.frame.all(axis=0))]
+        levels: Ints = self.of_blocks(self.levels)
+        return levels
 
     @property
     def field(self) -> StepField:
@@ -134,6 +136,10 @@ class Scan:
             unit=self.unit,
             frame_height=self.frame_height,
         )
+
+    def of_blocks(self, values: Any) -> Any:
+        """Return values of cells (n_x, n_y) without those of frames."""
+        return values[np.ix_(~self.frame.all(axis=1), ~self.frame.all(axis=0))]
 
     def placed(self, points: Array) -> Array:
         """Return points (n, 3) of the cloud in the map's frame [m]: about the field's centre, z above the ground."""

@@ -20,7 +20,7 @@ _LEAST = 0.0001
 def confidence_csv(scan: Scan) -> bytes:
     """Return the confidence of each block in the layout of levels.csv: 0 where it was not seen."""
     head = "confidence of the levels, 0 to 1; 0: not seen, so the level in levels.csv is made up"
-    return b"".join(north_up(_of_blocks(scan, _confidence(scan)), head))
+    return b"".join(north_up(scan.of_blocks(_confidence(scan)), head))
 
 
 def scan_content(scan: Scan, points: int) -> dict[str, Any]:
@@ -84,13 +84,9 @@ def _confidence(scan: Scan) -> Array:
     return np.where(scan.seen, np.round(scan.confidence.clip(_LEAST, 1), 4), 0.0)
 
 
-def _of_blocks(scan: Scan, values: Any) -> Any:
-    return values[np.ix_(~scan.frame.all(axis=1), ~scan.frame.all(axis=0))]
-
-
 def _lists(scan: Scan, values: Array | Ints, known: Mask) -> list[Sequence[Json]]:
     """Return values of the blocks as lists [x][y], null where they are not known."""
-    rows = zip(_of_blocks(scan, values).tolist(), _of_blocks(scan, known).tolist(), strict=True)
+    rows = zip(scan.of_blocks(values).tolist(), scan.of_blocks(known).tolist(), strict=True)
     return [[value if is_known else None for value, is_known in zip(*row, strict=True)] for row in rows]
 
 

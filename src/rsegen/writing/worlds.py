@@ -155,8 +155,10 @@ def refuse_names(folder: Path, maps: Iterable[str], files: Iterable[str], on_exi
     replaces = on_existing is not OnExisting.REFUSE
     if on_existing is not OnExisting.KEEP:
         refuse_taken((os.path.join(folder, name) for name in maps), force=replaces)
-    for name in files:  # which the journal will list
-        refuse_unit(folder, name, read_journal(folder), force=replaces)
+    names = tuple(files)
+    journal = read_journal(folder) if names else None  # which will list them
+    for name in names:
+        refuse_unit(folder, name, journal, force=replaces)
 
 
 def world_output(

@@ -60,7 +60,7 @@ def step_limited(field: StepField, limit: int) -> Ints:
 
 def are_met_together(design: MapDesign) -> bool:
     """Return whether the constraints of many maps are met by the same calls: of steps and paths, on maps not large."""
-    if design.inventory is not None or (design.max_step is not None and _counts_blocks(design)):
+    if design.inventory is not None or (design.max_step is not None and counts_blocks(design)):
         return False
     is_small = prod(design.cells) <= LARGE
     return design.crossable_by is None or (isinstance(design.crosser, StepLimits) and is_small)
@@ -188,14 +188,15 @@ def _is_still_met(met: StepField, design: MapDesign) -> Callable[[StepField], bo
 def _with_all_counted(met: StepField, designed: StepField, like: Array, design: MapDesign, index: int) -> StepField:
     """Return the blocks that a random obstacle counts, arranged anew if the largest step allows it; else `met`."""
     counts = designed.level_counts()
-    if design.max_step is None or met.level_counts() == counts or not _counts_blocks(design):
+    if design.max_step is None or met.level_counts() == counts or not counts_blocks(design):
         return met
     owned = tuple(counts.get(level, 0) for level in range(1, max(counts) + 1))
     arranged = _arranged(designed, like, design, index, owned)
     return arranged if arranged.level_counts() == counts else met
 
 
-def _counts_blocks(design: MapDesign) -> bool:
+def counts_blocks(design: MapDesign) -> bool:
+    """Return whether a random obstacle of a design says how many blocks of each level it has."""
     return any(isinstance(obstacle, Random) and obstacle.counts for _, obstacle in design.enabled_obstacles)
 
 

@@ -206,7 +206,6 @@ export interface Group {
 
 /* A parameter in a form: a JSON Schema property with what a form needs besides. */
 export interface Field {
-  flag?: string;
   required?: boolean; // it does not run without
   missing?: string; // what to say if it is required and not given: "Choose at least one format."
   name: string;
