@@ -71,6 +71,8 @@ def test_other_words_of_parameters_mean_parameters_and_flags_that_exist() -> Non
         (["generate", "--count", "2"], "maps"),
         (["generate", "--overwrite"], "force"),
         (["generate", "--frames", "outer"], "boundary"),
+        (["generate", "--unit", "5"], "unit-cm"),
+        (["generate", "--levels", "5"], "obstacle"),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else given,
 )

@@ -237,8 +237,10 @@ def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")
-    (tmp_path / "rsegen" / "obstacles" / "stairs.py").write_text(source)
-    row = "stairs levels=5 first=0,0 last=8,9"
+    file = tmp_path / "rsegen" / "obstacles" / "wedge.py"
+    assert not file.exists(), "it would replace a kind of rsegen's own"
+    file.write_text(source)
+    row = "wedge levels=5 first=0,0 last=8,9"
     command = ["generate", "--seed", "1", "--boundary", "none", "--obstacle", row, "-o", str(tmp_path / "worlds")]
     subprocess.run([sys.executable, "-m", "rsegen", *command], cwd=tmp_path, check=True, capture_output=True)
     levels = (tmp_path / "worlds" / "rse_0000" / "levels.csv").read_text("utf-8").splitlines()

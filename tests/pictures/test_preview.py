@@ -20,8 +20,17 @@ from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, compose
-from rsegen.pictures.plan import boundary, covered_cells
-from rsegen.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, in_rows, layout, preview, preview_figure
+from rsegen.pictures.plan import boundary, cell_colours, covered_cells
+from rsegen.pictures.preview import (
+    DRAWN,
+    IMAGE_FORMATS,
+    WIDTH,
+    in_rows,
+    layout,
+    legend_swatches,
+    preview,
+    preview_figure,
+)
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -176,6 +185,14 @@ def test_a_picture_says_which_version_made_it() -> None:
 def test_the_version_is_in_the_corner_of_all_pictures_but_those_for_a_paper(paper: bool, is_stamped: bool) -> None:
     text = preview(compose(RECIPE), "svg", paper=paper).decode()
     assert (f"<!-- rsegen {rsegen.__version__} -->" in text) == is_stamped
+
+
+def test_a_legend_has_the_ground_every_height_and_frames() -> None:
+    scene = compose(Recipe(seed=1, boundary="outer", unit_cm=5, obstacles=(Random(levels=3),)))
+    entries = {patch.get_label(): patch.get_facecolor() for patch in legend_swatches(scene, 9)}
+    assert list(entries) == ["0 cm", "5 cm", "10 cm", "frame, 10 cm"]
+    colours = cell_colours(scene.plan_colour, scene.field)
+    assert {tuple(colour) for colour in colours.reshape(-1, 3)} == {colour[:3] for colour in entries.values()}
 
 
 def test_entries_of_a_legend_are_read_row_by_row() -> None:

@@ -317,16 +317,11 @@ def preview_figure(
 ) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
     ratios = along_x / along_y, float(wide / high)
-    # A swatch for every height that the map has, at most _SWATCHES of them, and one for its frames.
-    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
-    if drawn.field.frame.any():
-        frame = lengths_in(drawn.units).with_unit(drawn.field.frame_height, 3)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
+    entries = legend_swatches(drawn, _SWATCHES)
     if paper:
         placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
     else:
@@ -432,6 +427,21 @@ def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
     unit, written = drawn.field.unit, lengths_in(drawn.units)
     shown = levels[:: -(-len(levels) // most) or 1]
     return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
+
+
+def legend_swatches(drawn: Drawable, most: int) -> list[Any]:
+    """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames."""
+    from matplotlib.patches import Patch
+
+    field, written = drawn.field, lengths_in(drawn.units)
+    levels = field.level_counts()
+    entries = swatches(drawn, [level for level in levels if level], most)
+    if levels.get(0):
+        entries.insert(0, Patch(facecolor=f"{GROUND_GREY}", label=written.with_unit(0, 3)))
+    if field.frame.any():
+        frame = written.with_unit(field.frame_height, 3)
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
+    return entries
 
 
 def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:
