@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import shlex
@@ -112,6 +113,13 @@ def test_a_page_shows_the_output_of_the_program_before_it(tmp_path: Path) -> Non
     ]
     assert re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n1\n")
     assert not re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n2\n")
+
+
+def test_the_page_of_python_has_every_public_function_and_class() -> None:
+    listed = set(re.findall(r"^::: rsegen\.(\w+)$", (ROOT / "docs" / "api.md").read_text("utf-8"), re.MULTILINE))
+    public = {name: getattr(rsegen, name) for name in rsegen.__all__ if name != "__version__"}
+    wanted = {name for name, value in public.items() if isinstance(value, type) or inspect.isfunction(value)}
+    assert wanted - {"RsegenError", "UserError"} == listed - {"errors"}
 
 
 def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -20,10 +21,12 @@ from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, compose
+from rsegen.field.stepfield import StepField
 from rsegen.pictures.plan import boundary, cell_colours, covered_cells
 from rsegen.pictures.preview import (
     DRAWN,
     IMAGE_FORMATS,
+    PAPER,
     WIDTH,
     in_rows,
     layout,
@@ -193,6 +196,28 @@ def test_a_legend_has_the_ground_every_height_and_frames() -> None:
     assert list(entries) == ["0 cm", "5 cm", "10 cm", "frame, 10 cm"]
     colours = cell_colours(scene.plan_colour, scene.field)
     assert {tuple(colour) for colour in colours.reshape(-1, 3)} == {colour[:3] for colour in entries.values()}
+
+
+def test_a_robot_in_a_column_of_a_paper_is_described_inside_it() -> None:
+    class Resting:
+        def draw(self, plan: object) -> None: ...
+
+        def in_front(self, field: StepField) -> np.ndarray:
+            return np.zeros(field.shape, dtype=bool)
+
+        def silhouettes(self, project: object, toward: object) -> list[tuple[np.ndarray, str]]:
+            return []
+
+        def describe(self) -> str:
+            return "the robot tilts by 1.2 degrees, 6 degrees from tipping over; one of 2 stable poses"
+
+    with rc_context(PAPER):
+        figure = preview_figure(compose(RECIPE), "", robot=Resting(), paper=True)
+        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # matplotlib's
+    plan, view = figure.axes
+    title, below = view.title.get_window_extent(), plan.xaxis.label.get_window_extent()
+    assert figure.bbox.x0 <= title.x0 <= title.x1 <= figure.bbox.x1
+    assert title.y1 <= below.y0
 
 
 def test_entries_of_a_legend_are_read_row_by_row() -> None:

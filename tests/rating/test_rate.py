@@ -247,6 +247,11 @@ def test_a_journal_that_was_changed_is_refused(tmp_path: Path) -> None:
         rated(trials=9, output=tmp_path)
 
 
+def test_fields_that_are_no_recipe_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"^recipe: 'peak' is not a recipe, which rsegen.load reads"):
+        rsegen.rate(crosses, "peak", seed=7)  # type: ignore[arg-type]
+
+
 def test_a_plot_shows_both_intervals_as_a_whole() -> None:
     rating = rated(trials=30)
     low, high = shown_places(rating.curves)

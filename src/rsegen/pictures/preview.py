@@ -13,10 +13,11 @@ maps each column is the highest of several cells.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -138,19 +139,22 @@ COLUMN, DPI, _TALL = 3.5, 300, 5.0
 """Inches of a column of a paper with two; pixels per inch; inches of a plan whose heights have their usual size."""
 
 
-def _in_a_column(plan: float, view: float, entries: int) -> PictureLayout:
-    """Return the layout for a column of a paper: plan, view, and a legend of some entries below them."""
-    number, head, gap = 0.45, 0.2, 0.05
+def _in_a_column(plan: float, view: float, entries: int, lines: int) -> PictureLayout:
+    """Return the layout for a column of a paper: plan, view with a title of some lines, and a legend below them."""
+    number, head, gap = 0.45, 0.2 + 0.12 * (lines - 1), 0.05
     width, below = COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
     above, middle = min(width / plan, _TALLEST / 2), min((COLUMN - 2 * gap) / view, _TALLEST / 2)
     low = below + middle + head + number
     return PictureLayout(
-        size=(COLUMN, low + above + number + head),
+        size=(COLUMN, low + above + number + 0.2),
         plan=(number, low, width, above),
         view=(gap, below, COLUMN - 2 * gap, middle),
         legend=0.0,
     )
 
+
+_LETTERS = 60
+"""Letters of a line of a column of a paper, at most."""
 
 _ACROSS = 4
 """Entries of the legend next to one another in a column of a paper."""
@@ -322,8 +326,11 @@ def preview_figure(
     wide, high = np.ptp(view_bounds(drawn), axis=0)
     ratios = along_x / along_y, float(wide / high)
     entries = legend_swatches(drawn, _SWATCHES)
+    words = f" {robot.describe()}" if robot else ""
     if paper:
-        placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
+        count = len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0)
+        words = fill(words.strip(), _LETTERS, initial_indent="\n")
+        placed = _in_a_column(*ratios, count, words.count("\n") + 1)
     else:
         placed = layout(*ratios, 2.2 if outlined else 1.6)
     figure = Figure(figsize=placed.size, dpi=DPI if paper else 100)
@@ -333,7 +340,7 @@ def preview_figure(
     view.set_title(draw_view(view, drawn, robot))
     if robot:
         robot.draw(plan)
-        view.set_title(f"{view.get_title()}; {robot.describe()}")
+        view.set_title(f"{view.get_title()};{words}")
     shown = draw_outlines(plan, outlined) if outlined else []
     _draw_legend(figure, entries, shown, None if paper else placed.legend / placed.size[0])
     if title:
@@ -420,7 +427,7 @@ def image_format(path: Path) -> str:
     return name
 
 
-def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
+def _swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
     """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
     from matplotlib.patches import Patch
 
@@ -429,14 +436,17 @@ def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
     return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
 
 
-def legend_swatches(drawn: Drawable, most: int) -> list[Any]:
-    """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames."""
+def legend_swatches(drawn: Drawable, most: int, levels: Collection[int] | None = None) -> list[Any]:
+    """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames.
+
+    levels: those of several plans; by default of this one
+    """
     from matplotlib.patches import Patch
 
     field, written = drawn.field, lengths_in(drawn.units)
-    levels = field.level_counts()
-    entries = swatches(drawn, [level for level in levels if level], most)
-    if levels.get(0):
+    levels = field.level_counts() if levels is None else levels
+    entries = _swatches(drawn, sorted(level for level in levels if level), most)
+    if 0 in levels:
         entries.insert(0, Patch(facecolor=f"{GROUND_GREY}", label=written.with_unit(0, 3)))
     if field.frame.any():
         frame = written.with_unit(field.frame_height, 3)
