@@ -346,7 +346,9 @@ def as_int(value: object) -> int | None:
 
 def list_parts(text: str) -> list[str]:
     """Return the parts of a list as a shell has it, `1,2`, or as the help, Python or a file writes it, `[1, 2]`."""
-    return [part.strip() for part in re.sub(r"^\((.*)\)$|^\[(.*)\]$", r"\1\2", text.strip()).split(",")]
+    if inside := re.fullmatch(r"\((.*)\)|\[(.*)\]", text):
+        return [part.strip() for part in (inside[1] or inside[2] or "").split(",")]
+    return text.split(",")
 
 
 def parse_int(text: str) -> int | str:
