@@ -22,7 +22,7 @@ from PIL import Image
 import rsegen
 from rsegen import Random, Recipe, compose
 from rsegen.field.stepfield import StepField
-from rsegen.pictures.plan import boundary, cell_colours, covered_cells
+from rsegen.pictures.plan import boundary, cell_colours, covered_cells, legend_swatches
 from rsegen.pictures.preview import (
     DRAWN,
     IMAGE_FORMATS,
@@ -30,7 +30,6 @@ from rsegen.pictures.preview import (
     WIDTH,
     in_rows,
     layout,
-    legend_swatches,
     preview,
     preview_figure,
 )

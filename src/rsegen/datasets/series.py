@@ -23,8 +23,8 @@ from rsegen.field.stepfield import Array
 from rsegen.measuring.catalogue import RMS
 from rsegen.params.numbers import lengths_in
 from rsegen.params.watch import report_share
-from rsegen.pictures.plan import draw_cells
-from rsegen.pictures.preview import encoded, legend_swatches
+from rsegen.pictures.plan import draw_cells, legend_swatches
+from rsegen.pictures.preview import encoded
 from rsegen.recipe.codec import map_json, to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose

@@ -18,8 +18,8 @@ from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.prediction import Prediction
 from rsegen.driving.routes import PlannedWay
 from rsegen.field.stepfield import Array
-from rsegen.pictures.plan import draw_cells
-from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, in_rows, legend_swatches
+from rsegen.pictures.plan import draw_cells, legend_swatches
+from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, in_rows
 from rsegen.scene.scene import Scene
 
 if TYPE_CHECKING:

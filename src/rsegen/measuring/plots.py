@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, ramp, show_cells
-from rsegen.pictures.preview import figure_bytes, figure_of, legend_swatches
+from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, legend_swatches, ramp, show_cells
+from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -346,9 +346,8 @@ def as_int(value: object) -> int | None:
 
 def list_parts(text: str) -> list[str]:
     """Return the parts of a list as a shell has it, `1,2`, or as the help, Python or a file writes it, `[1, 2]`."""
-    if inside := re.fullmatch(r"\((.*)\)|\[(.*)\]", text):
-        return [part.strip() for part in (inside[1] or inside[2] or "").split(",")]
-    return text.split(",")
+    inside = re.fullmatch(r"\((.*)\)|\[(.*)\]", text)
+    return re.split(r"\s*,\s*", (inside[1] or inside[2] or "").strip()) if inside else text.split(",")
 
 
 def parse_int(text: str) -> int | str:

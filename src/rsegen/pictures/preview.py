@@ -13,7 +13,7 @@ maps each column is the highest of several cells.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -25,7 +25,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.errors import FileError, UnknownName, refuse_other
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse, coarseness
-from rsegen.params.numbers import decimal, lengths_in
+from rsegen.params.numbers import decimal
 from rsegen.pictures.plan import (
     GROUND_GREY,
     ColouredField,
@@ -33,6 +33,7 @@ from rsegen.pictures.plan import (
     cell_colours,
     draw_heights,
     draw_outlines,
+    legend_swatches,
     number_cells,
 )
 from rsegen.recipe.codec import to_json
@@ -425,33 +426,6 @@ def image_format(path: Path) -> str:
     if name not in IMAGE_FORMATS:
         raise FileError(f"{path}: a picture's name must end in one of .{', .'.join(IMAGE_FORMATS)}")
     return name
-
-
-def _swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
-    """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
-    from matplotlib.patches import Patch
-
-    unit, written = drawn.field.unit, lengths_in(drawn.units)
-    shown = levels[:: -(-len(levels) // most) or 1]
-    return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
-
-
-def legend_swatches(drawn: Drawable, most: int, levels: Collection[int] | None = None) -> list[Any]:
-    """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames.
-
-    levels: those of several plans; by default of this one
-    """
-    from matplotlib.patches import Patch
-
-    field, written = drawn.field, lengths_in(drawn.units)
-    levels = field.level_counts() if levels is None else levels
-    entries = _swatches(drawn, sorted(level for level in levels if level), most)
-    if 0 in levels:
-        entries.insert(0, Patch(facecolor=f"{GROUND_GREY}", label=written.with_unit(0, 3)))
-    if field.frame.any():
-        frame = written.with_unit(field.frame_height, 3)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
-    return entries
 
 
 def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:

@@ -329,8 +329,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
         if journal is None:
             for name, _ in _files(folder):
                 top = name.partition("/")[0]
-                inner = read_journal(folder / top) if (folder / top).is_dir() else None
-                if inner:
+                if inner := read_journal(folder / top) if (folder / top).is_dir() else None:
                     kind = _KINDS.get(inner.holds, "files of rsegen")
                     raise OutputError(f"{shown}: contains {kind} in {top}; use another folder")
                 raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
