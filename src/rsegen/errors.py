@@ -189,7 +189,8 @@ def _meant(name: str, known: Collection[str]) -> list[str]:
 _PARAMETERS: Mapping[str, tuple[str, ...]] = {
     word: tuple(names.split())
     for words, names in {
-        "height heights max_height number_of_levels steps": "levels",
+        "height heights max_height number_of_levels steps": "levels unit_cm",
+        "levels softness first last": "obstacle obstacles",
         "start begin from position center centre": "first",
         "end stop goal": "last",
         "smoothness smooth hardness": "softness",
@@ -197,7 +198,7 @@ _PARAMETERS: Mapping[str, tuple[str, ...]] = {
         "sigma std deviation": "spread",
         "size": "chunk_size",
         "width length": "chunks duration",
-        "resolution height_step step": "unit_cm",
+        "unit resolution height_step step": "unit_cm",
         "cell_size block_size": "block_width_cm",
         "frame frames border edge": "boundary",
         "count number n n_maps num_maps number_of_maps": "maps",

@@ -233,6 +233,15 @@ def test_obstacles_lists_every_kind_with_its_parameters(name: str, capsys: pytes
         )
 
 
+def test_one_kind_of_obstacle_is_listed_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["obstacles", "peak"]) == 0
+    listed = [line for line in capsys.readouterr().out.splitlines() if line.isidentifier()]
+    assert listed == ["peak"]
+    assert [row["title"] for row in read(capsys, "obstacles", "peak")] == ["peak"]
+    assert main(["obstacles", "peek"]) == 2
+    assert "did you mean 'peak'?" in capsys.readouterr().err
+
+
 def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFixture[str]) -> None:
     rows = read(capsys, "obstacles")
     assert {row["title"]: set(row["properties"]) for row in rows} == {

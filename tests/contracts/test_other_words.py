@@ -52,7 +52,7 @@ def test_other_words_of_parameters_mean_parameters_and_flags_that_exist() -> Non
     flags = {flag.strip("-").replace("-", "_") for name in commands() for flag in parser_of(name).flags}
     of_capabilities = {"robot", "duration", "to", "formats", "workers"}
     named = {name for names in _PARAMETERS.values() for name in names}
-    assert named - of_capabilities <= {*rows, *flags, *parameters(Recipe)}
+    assert named - of_capabilities <= {*rows, *flags, *parameters(Recipe), "obstacles"}
     assert len(_PARAMETERS) > 50
     for word, names in _PARAMETERS.items():
         assert did_you_mean(word, names) == f"; did you mean {names[0]!r}?"
@@ -71,6 +71,8 @@ def test_other_words_of_parameters_mean_parameters_and_flags_that_exist() -> Non
         (["generate", "--count", "2"], "maps"),
         (["generate", "--overwrite"], "force"),
         (["generate", "--frames", "outer"], "boundary"),
+        (["generate", "--unit", "5"], "unit-cm"),
+        (["generate", "--levels", "5"], "obstacle"),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else given,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import shlex
@@ -112,6 +113,13 @@ def test_a_page_shows_the_output_of_the_program_before_it(tmp_path: Path) -> Non
     ]
     assert re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n1\n")
     assert not re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n2\n")
+
+
+def test_the_page_of_python_has_every_public_function_and_class() -> None:
+    listed = set(re.findall(r"^::: rsegen\.(\w+)$", (ROOT / "docs" / "api.md").read_text("utf-8"), re.MULTILINE))
+    public = {name: getattr(rsegen, name) for name in rsegen.__all__ if name != "__version__"}
+    wanted = {name for name, value in public.items() if isinstance(value, type) or inspect.isfunction(value)}
+    assert wanted - {"RsegenError", "UserError"} == listed - {"errors"}
 
 
 def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:
@@ -237,8 +245,10 @@ def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")
-    (tmp_path / "rsegen" / "obstacles" / "stairs.py").write_text(source)
-    row = "stairs levels=5 first=0,0 last=8,9"
+    file = tmp_path / "rsegen" / "obstacles" / "wedge.py"
+    assert not file.exists(), "it would replace a kind of rsegen's own"
+    file.write_text(source)
+    row = "wedge levels=5 first=0,0 last=8,9"
     command = ["generate", "--seed", "1", "--boundary", "none", "--obstacle", row, "-o", str(tmp_path / "worlds")]
     subprocess.run([sys.executable, "-m", "rsegen", *command], cwd=tmp_path, check=True, capture_output=True)
     levels = (tmp_path / "worlds" / "rse_0000" / "levels.csv").read_text("utf-8").splitlines()

@@ -37,6 +37,7 @@ def test_each_drive_is_that_over_its_map_and_they_are_counted() -> None:
         assert row.distance == robot.metrics.distance > 1.0
         assert row.crossed == robot.metrics.crossed
         assert row.climbed == robot.metrics.climbed > 0.0
+    assert str(result) == "\n".join(result.report())
     assert result.counted == 2
     assert result.crossed == sum(row.crossed is not None for row in result.drives)
 

@@ -57,6 +57,14 @@ def test_numbers_along_axes_do_not_overlap(chunks: tuple[int, int], monkeypatch:
         assert not any(one.overlaps(other) for one, other in pairwise(boxes))
 
 
+@pytest.mark.parametrize(("boundary", "last"), [("outer", "frame, 10 cm"), ("none", "20 cm")])
+def test_the_legend_has_every_colour_of_the_plan(boundary: str, last: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe = rsegen.Recipe(seed=1, boundary=boundary, obstacles=(rsegen.Random(levels=3),))
+    figure = drawn(recipe, {"robot": np.array([[-0.7, 0.0], [0.7, 0.1]])}, monkeypatch)
+    labels = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert labels == {"robot", "0 cm", "10 cm", "20 cm", last}
+
+
 def test_robots_one_behind_the_other_begin_in_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = rsegen.Recipe(seed=1, boundary="none", obstacles=(rsegen.Random(levels=3),))
     lines = {f"robot_{n}": np.array([[-1.0 - 1.1 * n, 0.2], [0.0, 0.2]]) for n in range(2)}

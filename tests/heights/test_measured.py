@@ -11,11 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from matplotlib.figure import Figure
 from PIL import Image
 
-from rsegen import Matrix, build, imported
+from rsegen import Matrix, Random, Recipe, build, compose, imported
 from rsegen.cli.edge import main
 from rsegen.errors import FileError, ParameterError
+from rsegen.heights import pictures
 from rsegen.heights.array import Saved
 from rsegen.heights.base import filled, heights_in
 from rsegen.heights.image import Picture
@@ -210,3 +212,13 @@ def test_the_command_says_and_draws_how_far_it_rounded(tmp_path: Path, capsys: p
     assert main([*words[:3], str(tmp_path / "other"), *words[4:]]) == 2
     assert "errors.png" in capsys.readouterr().err
     assert not (tmp_path / "other").exists()
+
+
+def test_cells_are_counted_in_whole_numbers_in_the_picture_of_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(pictures, "figure_bytes", lambda figure, *_: figures.append(figure))
+    scene = compose(Recipe(seed=1, chunk_size=4, boundary="none", obstacles=(Random(levels=3),)))
+    pictures.rounding_plot(scene, np.zeros((4, 4)), np.zeros((4, 4), dtype=bool))
+    axes = figures[0].axes[0]
+    for axis in (axes.xaxis, axes.yaxis):
+        assert all(tick.is_integer() for tick in axis.get_majorticklocs())

@@ -44,7 +44,7 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
     page = printed(capsys, PALLET, *TEN)
     for words in ("mean 19.6 cm", "0.568 of the mean", "rms 13.02 cm", "Hurst exponent 0.17; weak, of 5 lags"):
         assert words in page
-    for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "96.0%"):
+    for words in ("TRI 13.08 cm (root mean square)", "3.03 times the plan", "96.0%"):
         assert words in page
     assert "climb    needed to cross for its width: 10 cm west to east" in page
     assert max(map(len, page.splitlines())) <= 120

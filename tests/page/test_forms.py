@@ -41,6 +41,12 @@ def test_every_parameter_of_a_recipe_is_in_one_field_with_its_schema_and_default
         assert field["default"] == (None if default is Argument.empty else plain(default))
 
 
+def test_a_field_says_what_a_command_takes_if_it_is_left_empty() -> None:
+    fields = {field["name"]: field for field in command_form("drive").described()["fields"]}
+    assert fields["motors"]["default"] is None
+    assert fields["motors"]["help"].endswith("; default: reaction")
+
+
 def _without_words(schema: Any) -> Any:
     """Return the schema of a field without the words that a form knows of its texts."""
     parts = schema.get("anyOf", [])

@@ -173,3 +173,17 @@ def test_an_invalid_folder_is_refused(folder: Any, tmp_path: Path, monkeypatch: 
     with pytest.raises(ParameterError, match=r"folder: .*expected a folder"):
         rsegen.generate(rsegen.Recipe(seed=1), folder)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named", "message"),
+    [
+        ((1, 3), {}, "brew() takes 1 positional argument, not 2; name the others: cups, heat_, milk, ..."),
+        ((1,), {"cusp": 3}, "brew() has no parameter 'cusp'; did you mean 'cups'?"),
+        ((), {}, "brew(): missing a required argument: 'target'"),
+    ],
+)
+def test_a_call_with_other_arguments_says_which(arguments: tuple[Any], named: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError) as refused:
+        brew(*arguments, **named)
+    assert str(refused.value) == message

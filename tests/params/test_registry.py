@@ -37,6 +37,10 @@ def test_what_is_registered_is_kept_under_the_names_of_the_contract_and_returned
     assert found.register(7) == found["for 7"] == 7
 
 
+def test_a_registry_shows_its_names() -> None:
+    assert repr(fruits()) == "<fruit: apple, fig, pear>"
+
+
 def test_two_of_one_name_are_a_mistake() -> None:
     with pytest.raises(TypeError, match="two fruits are named 'fig': 1 and 2"):
         fruits().add("fig", 2)

@@ -96,6 +96,8 @@ def test_file_flag_and_schema_share_the_canonical_form_of_a_value(
         written = json.loads(json.dumps(canonical))
         assert parameter.check("here", written) == canonical
         assert parameter.check("here", parameter.parse(parameter.format(written))) == canonical
+        if isinstance(written, list) and all(isinstance(part, int | float) for part in written):
+            assert parameter.check("here", parameter.parse(str(written))) == canonical, "as a file has it"
         jsonschema.validate(written, parameter.schema())
     for value in refused:
         if isinstance(value, (int, list)) and not isinstance(parameter, (Rows, Counts, Weights)):

@@ -22,6 +22,14 @@ shown = {}
 for expression in ("scene", "scene.field", "scene.recipe"):
     formats, _ = shell.display_formatter.format(shell.ev(expression))
     shown[expression] = base64.b64encode(formats["image/png"]).decode() if "image/png" in formats else None
+from rsegen.params.command import Reported
+
+class Result(Reported):
+    def report(self):
+        yield "crossed"
+        yield "in 8 s"
+
+shown["result"] = shell.display_formatter.format(Result())[0]["text/plain"]
 from rsegen.pictures.preview import thumbnail
 
 expected = base64.b64encode(thumbnail(shell.user_ns["scene"])).decode()
@@ -36,4 +44,5 @@ def test_ipython_shows_a_small_plan_of_a_scene_and_of_a_field() -> None:
     assert report["shown"]["scene"] == report["expected"]
     assert report["shown"]["scene.field"]
     assert report["shown"]["scene.recipe"] is None
+    assert report["shown"]["result"] == "crossed\nin 8 s"
     assert "numpy" not in report["loaded"], report["loaded"]

@@ -13,6 +13,7 @@ import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -20,8 +21,18 @@ from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, compose
-from rsegen.pictures.plan import boundary, covered_cells
-from rsegen.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, in_rows, layout, preview, preview_figure
+from rsegen.field.stepfield import StepField
+from rsegen.pictures.plan import boundary, cell_colours, covered_cells, legend_swatches
+from rsegen.pictures.preview import (
+    DRAWN,
+    IMAGE_FORMATS,
+    PAPER,
+    WIDTH,
+    in_rows,
+    layout,
+    preview,
+    preview_figure,
+)
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -176,6 +187,36 @@ def test_a_picture_says_which_version_made_it() -> None:
 def test_the_version_is_in_the_corner_of_all_pictures_but_those_for_a_paper(paper: bool, is_stamped: bool) -> None:
     text = preview(compose(RECIPE), "svg", paper=paper).decode()
     assert (f"<!-- rsegen {rsegen.__version__} -->" in text) == is_stamped
+
+
+def test_a_legend_has_the_ground_every_height_and_frames() -> None:
+    scene = compose(Recipe(seed=1, boundary="outer", unit_cm=5, obstacles=(Random(levels=3),)))
+    entries = {patch.get_label(): patch.get_facecolor() for patch in legend_swatches(scene, 9)}
+    assert list(entries) == ["0 cm", "5 cm", "10 cm", "frame, 10 cm"]
+    colours = cell_colours(scene.plan_colour, scene.field)
+    assert {tuple(colour) for colour in colours.reshape(-1, 3)} == {colour[:3] for colour in entries.values()}
+
+
+def test_a_robot_in_a_column_of_a_paper_is_described_inside_it() -> None:
+    class Resting:
+        def draw(self, plan: object) -> None: ...
+
+        def in_front(self, field: StepField) -> np.ndarray:
+            return np.zeros(field.shape, dtype=bool)
+
+        def silhouettes(self, project: object, toward: object) -> list[tuple[np.ndarray, str]]:
+            return []
+
+        def describe(self) -> str:
+            return "the robot tilts by 1.2 degrees, 6 degrees from tipping over; one of 2 stable poses"
+
+    with rc_context(PAPER):
+        figure = preview_figure(compose(RECIPE), "", robot=Resting(), paper=True)
+        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # matplotlib's
+    plan, view = figure.axes
+    title, below = view.title.get_window_extent(), plan.xaxis.label.get_window_extent()
+    assert figure.bbox.x0 <= title.x0 <= title.x1 <= figure.bbox.x1
+    assert title.y1 <= below.y0
 
 
 def test_entries_of_a_legend_are_read_row_by_row() -> None:

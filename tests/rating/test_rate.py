@@ -26,7 +26,7 @@ from rsegen.rating import judges
 from rsegen.rating.axes import AXES
 from rsegen.rating.judges import Trial, usual_duration
 from rsegen.rating.rate import usual_fields
-from rsegen.rating.rating import Curve, Rating, plot
+from rsegen.rating.rating import Curve, Rating, plot, shown_places
 from rsegen.rating.run import batch_size
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import straight
@@ -186,7 +186,7 @@ def stopping_after(count: int) -> Callable[[int, float], None]:
 @pytest.mark.parametrize("count", [1, 13])
 def test_a_stopped_rating_goes_on_as_if_it_had_not_been_stopped(tmp_path: Path, count: int) -> None:
     whole = rated(precision=12, output=tmp_path / "whole")
-    with pytest.raises(Stopped, match=rf"^{count} trials are complete in .*part$") as stop:
+    with pytest.raises(Stopped, match=rf"^{count} trials? complete in .*part$") as stop:
         rated(precision=12, output=tmp_path / "part", progress=stopping_after(count))
     assert stop.value.changed
     assert not (tmp_path / "part" / "rating.json").exists()
@@ -235,7 +235,7 @@ def test_a_folder_of_another_rating_is_refused_and_replaced_by_force(tmp_path: P
 
 
 def test_a_stop_without_a_folder_keeps_nothing() -> None:
-    with pytest.raises(Stopped, match="3 trials were made, and are not kept") as stop:
+    with pytest.raises(Stopped, match="3 trials made, and not kept") as stop:
         rated(progress=stopping_after(3))
     assert not stop.value.changed
 
@@ -245,6 +245,17 @@ def test_a_journal_that_was_changed_is_refused(tmp_path: Path) -> None:
     edited(tmp_path / ".rsegen.jsonl", '"map": 3', '"map": 5')
     with pytest.raises(FileError, match=r"jsonl: result 4: map: 5 is not 3, the next one; use another folder"):
         rated(trials=9, output=tmp_path)
+
+
+def test_fields_that_are_no_recipe_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"^recipe: 'peak' is not a recipe, which rsegen.load reads"):
+        rsegen.rate(crosses, "peak", seed=7)  # type: ignore[arg-type]
+
+
+def test_a_plot_shows_both_intervals_as_a_whole() -> None:
+    rating = rated(trials=30)
+    low, high = shown_places(rating.curves)
+    assert all(low <= rating.axis.place(level) <= high for level in (*rating.half, *rating.most))
 
 
 @pytest.mark.parametrize(("answer", "words"), [(True, "more"), (False, "less")])

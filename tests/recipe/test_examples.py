@@ -9,6 +9,7 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
+from rsegen.errors import FileError
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import or_example
 
@@ -49,6 +50,12 @@ def test_an_example_is_loaded_by_its_name(command: list[str], capsys: pytest.Cap
         assert main([*command, target]) == 0
         said.append(json.loads(capsys.readouterr().out))
     assert said[0] == said[1]
+
+
+def test_python_loads_an_example_by_its_name_too() -> None:
+    assert rsegen.load("mixed-course") == rsegen.load(EXAMPLES["mixed-course"])
+    with pytest.raises(FileError, match=r"did you mean 'mixed-course'\?"):
+        rsegen.load("mixed-corse")
 
 
 def test_a_map_is_made_of_a_name_and_flags(tmp_path: Path) -> None:

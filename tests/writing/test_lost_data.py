@@ -234,6 +234,11 @@ def test_a_map_is_not_a_drive(world: Path, capsys: pytest.CaptureFixture[str]) -
     assert the_line(capsys.readouterr().err)
 
 
+def test_a_folder_of_maps_is_not_a_drive(world: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = refused(capsys, world.parent, "drive", world, "-o", world.parent, "--force")
+    assert f"contains a map in {world.name}" in line
+
+
 def test_export_adds_to_a_map_with_files_of_somebody_else_and_loses_none(world: Path) -> None:
     (world / "notes.txt").write_text(WORK)
     for force in (False, True):

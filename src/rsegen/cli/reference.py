@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -57,18 +57,32 @@ def run_examples(arguments: argparse.Namespace) -> Report:
 
 
 def add_obstacles(command: Parser) -> None:
-    """Say what `rsegen obstacles` is."""
+    """Add the argument of `rsegen obstacles`."""
     command.explain("List the kinds of obstacles with their parameters, ranges and meaning; as JSON their schemas.")
+    argument: Any = command.add_argument("kind", nargs="?", metavar="KIND", help="only this kind")
+    argument.completer = _kinds
 
 
-def run_obstacles(_: argparse.Namespace) -> Report:
-    """List the kinds of obstacles."""
+def _kinds(**_: object) -> Iterable[str]:
+    from rsegen.obstacles import KINDS
+
+    return KINDS
+
+
+def run_obstacles(arguments: argparse.Namespace) -> Report:
+    """List the kinds of obstacles, or one of them."""
+    from rsegen.obstacles import KINDS
     from rsegen.recipe.codec import schema
 
-    return Report(lines=_kinds(), content=lambda: schema()["properties"]["obstacles"]["items"]["oneOf"])
+    if arguments.kind is not None:
+        KINDS.named(arguments.kind, "KIND")
+    kinds = list(KINDS) if arguments.kind is None else [arguments.kind]
+    known = schema()["properties"]["obstacles"]["items"]["oneOf"]
+    content = [each for each in known if each["properties"]["kind"]["const"] in kinds]
+    return Report(lines=_described(kinds), content=content)
 
 
-def _kinds() -> Iterator[str]:
+def _described(kinds: Sequence[str]) -> Iterator[str]:
     from rsegen.obstacles import KINDS
     from rsegen.obstacles.base import Obstacle, own_parameters
     from rsegen.params.registry import summary_of_class
@@ -82,8 +96,8 @@ def _kinds() -> Iterator[str]:
     yield "An obstacle is its kind, the parameters of that kind, and a place: 'peak levels=5 first=2,2 last=7,7'."
     yield "Every kind also has the parameters at the end, such as levels, softness, first and last."
     yield ""
-    for name, cls in KINDS.items():
-        source = KINDS.source(name)
+    for name in kinds:
+        cls, source = KINDS[name], KINDS.source(name)
         yield f"{name}\n    {summary_of_class(cls)}" + (f" From {source}." if source else "")
         yield from rows({key: own for key, own in own_parameters(cls).items() if own != shared.get(key)})
         yield ""

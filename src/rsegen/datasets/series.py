@@ -23,8 +23,8 @@ from rsegen.field.stepfield import Array
 from rsegen.measuring.catalogue import RMS
 from rsegen.params.numbers import lengths_in
 from rsegen.params.watch import report_share
-from rsegen.pictures.plan import draw_cells
-from rsegen.pictures.preview import encoded, swatches
+from rsegen.pictures.plan import draw_cells, legend_swatches
+from rsegen.pictures.preview import encoded
 from rsegen.recipe.codec import map_json, to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
@@ -199,10 +199,8 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
     for column, scene in enumerate(scenes):
         _draw_plan(figure.add_subplot(grid[1, column]), plan, scene, rows[shown[column]])
-    # A swatch for every height in the plans, or for some of them evenly spaced.
-    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    if handles := swatches(scenes[0], levels, _SWATCHES):
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    handles = legend_swatches(scenes[0], _SWATCHES, {level for scene in scenes for level in scene.field.level_counts()})
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
     return encoded(figure, "png", to_json(plan.recipe))

@@ -327,11 +327,11 @@ def run_predict(arguments: argparse.Namespace) -> Report:
     with flags_in_errors(predict):
         scene = world_of(target_of(arguments), arguments.map).scene()
     found = call(predict, arguments, scene, map=None)
-    if picture:
-        picture.write(partial(prediction_plot, scene, found))
     kind = given(predict, arguments).get("robot", default(predict, "robot"))
     content = {"map": scene.name, "robot": kind, **found.as_json()}
     robot = robot_of(kind)
+    if picture:
+        picture.write(partial(prediction_plot, scene, robot.kind, found))
     remarks = (f"note: {robot.kind}: {remark}" for remark in getattr(robot, "remarks", ()))
     notes = (*which_map(arguments.target, arguments.map), *remarks)
     return Report(lines=[f"{scene.name}, {robot.kind}: {found}"], content=content, notes=notes)

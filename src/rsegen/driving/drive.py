@@ -28,6 +28,7 @@ from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, c
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import AlongWay, PlannedWay, Wandering
 from rsegen.errors import ParameterError
+from rsegen.params.command import Reported
 from rsegen.params.numbers import lengths_in, whole_degrees
 from rsegen.recipe.codec import map_json
 from rsegen.robots.base import Robot
@@ -59,7 +60,7 @@ class DrivenRobot:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class DriveResult:
+class DriveResult(Reported):
     """The result of `rsegen.drive`.
 
     Attributes

@@ -29,6 +29,7 @@ from rsegen.driving.recording import DriveRecording, RobotRun, record_batch, rec
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.errors import NoSpot, ParameterError, SimulatorFailed, Stopped, UserError
+from rsegen.params.command import Reported
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
@@ -89,7 +90,7 @@ class ManyDrive:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ManyDrives:
+class ManyDrives(Reported):
     """The result of `rsegen.drive_many`.
 
     Attributes

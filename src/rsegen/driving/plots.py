@@ -18,8 +18,8 @@ from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.prediction import Prediction
 from rsegen.driving.routes import PlannedWay
 from rsegen.field.stepfield import Array
-from rsegen.pictures.plan import draw_cells
-from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, in_rows, swatches
+from rsegen.pictures.plan import draw_cells, legend_swatches
+from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, in_rows
 from rsegen.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def trajectory_plot(
         return figure_bytes(figure, scene, format)
 
 
-def prediction_plot(scene: Scene, found: Prediction, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+def prediction_plot(scene: Scene, robot: str, found: Prediction, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """Return a picture of all drives of a prediction: those that do not cross end at a cross.
 
     The file carries the map's recipe.
@@ -86,7 +86,7 @@ def prediction_plot(scene: Scene, found: Prediction, format: str = "png") -> byt
 
     with rc_context(PAPER):
         counts = f"{found.crossed} of {found.drives} drives"
-        title = f"{scene.name}: crosses with probability {found.probability:.2f}\n({counts})"
+        title = f"{scene.name}, {robot}:\ncrosses with probability {found.probability:.2f} ({counts})"
         figure, axes = _plan(scene, [outcome.path for outcome in found.outcomes], title)
         named = set()
         for outcome in found.outcomes:
@@ -147,7 +147,7 @@ def _draw_way(axes: Axes, points: Array) -> None:
 def _draw_legend(figure: Figure, axes: Axes, scene: Scene) -> None:
     """Draw below the plan which line is what, and which colour is how high."""
     lines, _ = axes.get_legend_handles_labels()
-    heights = swatches(scene, [level for level in scene.field.level_counts() if level], _HEIGHTS)
+    heights = legend_swatches(scene, _HEIGHTS)
     room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 2.4, "handletextpad": 0.5}
     for columns in range(_ACROSS, 0, -1):  # long names of robots need fewer than names of heights
         entries = in_rows([*lines, *heights], columns)

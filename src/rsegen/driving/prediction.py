@@ -19,7 +19,7 @@ breaks it: what the simulator does not know, and errors that are not in the spre
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -35,6 +35,7 @@ from rsegen.driving.routes import Motion, PlannedWay, Route, wrapped
 from rsegen.driving.spread import FIRST, MOST, spread_run
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
+from rsegen.params.command import Reported
 from rsegen.params.watch import report_share
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
@@ -118,7 +119,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Prediction:
+class Prediction(Reported):
     """Prediction of whether a robot gets across, with its probability.
 
     Attributes
@@ -175,13 +176,14 @@ class Prediction:
         ends = (DriveEnd(reason, *_middle(places), len(places)) for reason, places in by_reason.items())
         return tuple(sorted(ends, key=lambda end: -end.drives))
 
-    def __str__(self) -> str:
+    def report(self) -> Iterator[str]:
+        """Yield the probability, and where the robot mostly ends, in one line."""
         counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, {self.motors} motors"
         if self.crossed in (0, self.drives):  # the probability is an estimate of theirs, by a prior
             counts += f"; so few cannot prove {self.crossed / self.drives:.2f}"
         rest = "otherwise it mostly" if self.crossed else "it mostly"
         end = f"; {rest} {self.ends[0]}" if self.ends else ""
-        return f"crosses with probability {self.probability:.2f} ({counts}){end}"
+        yield f"crosses with probability {self.probability:.2f} ({counts}){end}"
 
     def as_json(self) -> dict[str, object]:
         """Return it for JSON."""

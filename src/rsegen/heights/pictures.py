@@ -16,6 +16,8 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
 
     errors_cm: (n_x, n_y), measured height of each block above its level [cm]; holes: (n_x, n_y), true if filled.
     """
+    from matplotlib.ticker import MaxNLocator
+
     # The colours end at half a unit, the largest possible rounding.
     n_x, n_y = errors_cm.shape
     figure = figure_of(8, 6.5 * n_y / n_x + 1, 3, 16)
@@ -28,7 +30,9 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     )
     axes.set_facecolor("#999999")  # holes
     axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")
-    figure.colorbar(shown, ax=axes, label=written.unit)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(integer=True))
+    figure.colorbar(shown, ax=axes, label=written.unit, shrink=0.8)
     if max(n_x, n_y) <= LEGIBLE:
         for (x, y), error in np.ndenumerate(errors):
             text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"

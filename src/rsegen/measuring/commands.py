@@ -289,7 +289,7 @@ def _page(
     yield _scale(measures.scale, written)
     yield _spectrum(measures.spectrum)
     rugged, opens = measures.ruggedness, measures.opening
-    tri = f"{written.with_unit(rugged.tri)} (root mean), {written.with_unit(rugged.riley)} (Riley)"
+    tri = f"{written.with_unit(rugged.tri)} (root mean square), {written.with_unit(rugged.riley)} (Riley)"
     yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
     yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"

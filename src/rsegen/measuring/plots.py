@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, ramp, show_cells
+from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, legend_swatches, ramp, show_cells
 from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 
@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 
 
 _DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
+
+
+_HEIGHTS = 12
+"""Heights in the legend at most."""
 
 
 def path_plot(scene: Scene, reach: Any, crosser: str, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
@@ -29,6 +33,7 @@ def path_plot(scene: Scene, reach: Any, crosser: str, format: str = "png") -> by
     for (name, colour), crossing in zip(_DIRECTIONS.items(), (reach.west_east, reach.south_north), strict=True):
         _draw_path(plan, scene, crossing, name, colour)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    figure.legend(handles=legend_swatches(scene, _HEIGHTS), loc="outside left center", frameon=False)
     _draw_costs(heat, scene, reach)
     figure.suptitle(f"{scene.name}: {crosser}")
     return figure_bytes(figure, scene, format)

@@ -22,7 +22,7 @@ from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.obstacles.base import Grid, Obstacle, Patch, Region, elementwise, register
 from rsegen.obstacles.rearranged import rearranged
 from rsegen.params.arrays import asarray, cast, least, level_of, order_of_draws
-from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, Parameter, refuse_longer
+from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, Parameter, list_parts, refuse_longer
 from rsegen.params.streams import Streams
 
 
@@ -46,7 +46,7 @@ class Weights:
         return numbers
 
     def parse(self, text: str) -> object:
-        return [self.sort.parse(part) for part in text.split(",")]
+        return [self.sort.parse(part) for part in list_parts(text)]
 
     def format(self, value: Any) -> str:
         return ",".join(map(str, value))

@@ -126,10 +126,11 @@ def metric_title(key: str) -> str:
 def field(parameter: Declared, *, basic: bool = True) -> Field:
     """Return a declared parameter as a field of a form."""
     default = None if parameter.default is Argument.empty else parameter.default
+    text = parameter.shell.help or parameter.sort.help or parameter.sort.describe()
     return {
         "name": parameter.name,
         "title": title_of(parameter.name),
-        "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
+        "help": f"{text}; default: {parameter.shell.default}" if parameter.shell.default else text,
         "schema": cast(Schema, _with_words(parameter, _without_const(parameter.sort.schema()))),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
         "default": str(default) if isinstance(default, Path) else plain(default),

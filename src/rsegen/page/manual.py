@@ -40,7 +40,7 @@ def _lines() -> Iterator[str]:
     yield f'<h3>obstacles</h3><ul><li><a href="#{OBSTACLES}">all kinds</a> with their parameters</li></ul></nav>'
     for name in commands():
         yield _section(name, f"rsegen {name}", parser_of(name).format_help())
-    yield _section(OBSTACLES, "Obstacles", "\n".join(run_obstacles(argparse.Namespace()).lines))
+    yield _section(OBSTACLES, "Obstacles", "\n".join(run_obstacles(argparse.Namespace(kind=None)).lines))
     yield "</main></body></html>"
 
 

@@ -20,11 +20,11 @@ from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache, wraps
 from inspect import Parameter as Argument
-from inspect import signature, unwrap
+from inspect import Signature, signature, unwrap
 from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, did_you_mean
 from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints, sort_of, with_lengths
 
 P = ParamSpec("P")
@@ -143,7 +143,12 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def checked(*args: P.args, **named: P.kwargs) -> R:
-        call = shape.bind(*args, **named)
+        try:
+            call = shape.bind(*args, **named)
+        except TypeError as error:
+            raise TypeError(
+                _unfit(function.__name__, shape, args, named) or f"{function.__name__}(): {error}"
+            ) from None
         for name, value in call.arguments.items():
             parameter = declared(function).get(name)
             if parameter and not (value is None and parameter.default is None):
@@ -151,6 +156,34 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
         return function(*call.args, **call.kwargs)
 
     return checked
+
+
+def _unfit(name: str, shape: Signature, args: Sequence[Any], named: Mapping[str, Any]) -> str:
+    """Return which arguments of a call its command does not take; an empty text if some are missing."""
+    keywords = [key for key, parameter in shape.parameters.items() if parameter.kind is Argument.KEYWORD_ONLY]
+    places = len(shape.parameters) - len(keywords)
+    if len(args) > places:
+        listed = ", ".join([*keywords[:3], *(["..."] if len(keywords) > 3 else [])])
+        taken = f"{places} positional argument{'s'[: places != 1]}"
+        return f"{name}() takes {taken}, not {len(args)}; name the others: {listed}"
+    unknown = next((key for key in named if key not in shape.parameters), "")
+    return f"{name}() has no parameter {unknown!r}{did_you_mean(unknown, shape.parameters)}" if unknown else ""
+
+
+class Reported:
+    """Result that is shown by `print`, and in a notebook, as the report that its command prints."""
+
+    __slots__ = ()
+
+    def report(self) -> Iterable[str]:
+        """Yield the lines that the command prints."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return "\n".join(self.report())
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # noqa: FBT001  # IPython's way to ask
+        printer.text(str(self))
 
 
 def add_flags(

@@ -146,6 +146,9 @@ class Registry(Mapping[str, Thing]):
         self._modules_seen = 0
         self._lock = RLock()
 
+    def __repr__(self) -> str:
+        return f"<{self._sort}: {', '.join(self)}>"
+
     def __getitem__(self, name: str) -> Thing:
         if name not in self._things:
             self._find(name)

@@ -207,7 +207,7 @@ class ListOf(Parameter):
         return tuple(self.sort.check(f"{where}[{index}]", entry) for index, entry in enumerate(value))
 
     def parse(self, text: str) -> object:
-        return [self.sort.parse(part) for part in text.split(",")]
+        return [self.sort.parse(part) for part in list_parts(text)]
 
     def format(self, value: Any) -> str:
         return ",".join(map(self.sort.format, value))
@@ -344,6 +344,12 @@ def as_int(value: object) -> int | None:
         return None
 
 
+def list_parts(text: str) -> list[str]:
+    """Return the parts of a list as a shell has it, `1,2`, or as the help, Python or a file writes it, `[1, 2]`."""
+    inside = re.fullmatch(r"\((.*)\)|\[(.*)\]", text)
+    return re.split(r"\s*,\s*", (inside[1] or inside[2] or "").strip()) if inside else text.split(",")
+
+
 def parse_int(text: str) -> int | str:
     """Return the integer of a text of digits, or the text itself if it is something else."""
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,4000}", text) else text
@@ -393,7 +399,7 @@ class CellRef(Parameter):
         return number
 
     def parse(self, text: str) -> object:
-        parts = re.sub(r"^\((.*)\)$|^\[(.*)\]$", r"\1\2", text).split(",")  # as Python or a file writes it
+        parts = list_parts(text)
         return text if len(parts) == 1 else [parse_int(part) for part in parts]
 
     def format(self, value: Any) -> str:
@@ -423,7 +429,7 @@ class Size2D(Parameter):
         return numbers[0], numbers[1]
 
     def parse(self, text: str) -> object:
-        parts = text.replace("x", ",").split(",")
+        parts = list_parts(text.replace("x", ","))
         numbers = [parse_int(part) for part in parts]
         return numbers[0] if len(numbers) == 1 else numbers
 
@@ -462,7 +468,7 @@ def with_lengths(text: str, parameter: Parameter, where: str, *, units: str | No
     sort = parameter.sort if isinstance(parameter, ListOf) else parameter
     if not isinstance(sort, Float) or sort.unit not in ("cm", "mm"):
         return text
-    parts = text.split(",") if isinstance(parameter, ListOf) else [text]
+    parts = list_parts(text) if isinstance(parameter, ListOf) else [text]
     return ",".join(_number(part, sort.unit, where, units) for part in parts)
 
 

@@ -5,7 +5,7 @@ Obstacles are numbered from 0, as in messages: obstacles[0], ...
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -145,6 +145,33 @@ def cell_colours(colour: Callable[[int], Colour], field: StepField) -> Array:
     palette = np.array([colour(level) for level in range(int(field.levels.max()) + 1)])
     colours = palette[np.where(field.frame, 0, field.levels)]
     return np.where((field.levels == 0)[..., None] & ~field.frame[..., None], GROUND_GREY, colours)
+
+
+def _swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
+    """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
+    from matplotlib.patches import Patch
+
+    unit, written = drawn.field.unit, lengths_in(drawn.units)
+    shown = levels[:: -(-len(levels) // most) or 1]
+    return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
+
+
+def legend_swatches(drawn: Drawable, most: int, levels: Collection[int] | None = None) -> list[Any]:
+    """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames.
+
+    levels: those of several plans; by default of this one
+    """
+    from matplotlib.patches import Patch
+
+    field, written = drawn.field, lengths_in(drawn.units)
+    levels = field.level_counts() if levels is None else levels
+    entries = _swatches(drawn, sorted(level for level in levels if level), most)
+    if 0 in levels:
+        entries.insert(0, Patch(facecolor=f"{GROUND_GREY}", label=written.with_unit(0, 3)))
+    if field.frame.any():
+        frame = written.with_unit(field.frame_height, 3)
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
+    return entries
 
 
 _COLOURS = ("#ff2d95", "#ff8c00", "#7b2ff7", "#00a3ff", "#111111", "#b8002e")

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -24,7 +25,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.errors import FileError, UnknownName, refuse_other
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse, coarseness
-from rsegen.params.numbers import decimal, lengths_in
+from rsegen.params.numbers import decimal
 from rsegen.pictures.plan import (
     GROUND_GREY,
     ColouredField,
@@ -32,6 +33,7 @@ from rsegen.pictures.plan import (
     cell_colours,
     draw_heights,
     draw_outlines,
+    legend_swatches,
     number_cells,
 )
 from rsegen.recipe.codec import to_json
@@ -138,19 +140,22 @@ COLUMN, DPI, _TALL = 3.5, 300, 5.0
 """Inches of a column of a paper with two; pixels per inch; inches of a plan whose heights have their usual size."""
 
 
-def _in_a_column(plan: float, view: float, entries: int) -> PictureLayout:
-    """Return the layout for a column of a paper: plan, view, and a legend of some entries below them."""
-    number, head, gap = 0.45, 0.2, 0.05
+def _in_a_column(plan: float, view: float, entries: int, lines: int) -> PictureLayout:
+    """Return the layout for a column of a paper: plan, view with a title of some lines, and a legend below them."""
+    number, head, gap = 0.45, 0.2 + 0.12 * (lines - 1), 0.05
     width, below = COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
     above, middle = min(width / plan, _TALLEST / 2), min((COLUMN - 2 * gap) / view, _TALLEST / 2)
     low = below + middle + head + number
     return PictureLayout(
-        size=(COLUMN, low + above + number + head),
+        size=(COLUMN, low + above + number + 0.2),
         plan=(number, low, width, above),
         view=(gap, below, COLUMN - 2 * gap, middle),
         legend=0.0,
     )
 
+
+_LETTERS = 60
+"""Letters of a line of a column of a paper, at most."""
 
 _ACROSS = 4
 """Entries of the legend next to one another in a column of a paper."""
@@ -317,18 +322,16 @@ def preview_figure(
 ) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
     ratios = along_x / along_y, float(wide / high)
-    # A swatch for every height that the map has, at most _SWATCHES of them, and one for its frames.
-    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
-    if drawn.field.frame.any():
-        frame = lengths_in(drawn.units).with_unit(drawn.field.frame_height, 3)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
+    entries = legend_swatches(drawn, _SWATCHES)
+    words = f" {robot.describe()}" if robot else ""
     if paper:
-        placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
+        count = len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0)
+        words = fill(words.strip(), _LETTERS, initial_indent="\n")
+        placed = _in_a_column(*ratios, count, words.count("\n") + 1)
     else:
         placed = layout(*ratios, 2.2 if outlined else 1.6)
     figure = Figure(figsize=placed.size, dpi=DPI if paper else 100)
@@ -338,7 +341,7 @@ def preview_figure(
     view.set_title(draw_view(view, drawn, robot))
     if robot:
         robot.draw(plan)
-        view.set_title(f"{view.get_title()}; {robot.describe()}")
+        view.set_title(f"{view.get_title()};{words}")
     shown = draw_outlines(plan, outlined) if outlined else []
     _draw_legend(figure, entries, shown, None if paper else placed.legend / placed.size[0])
     if title:
@@ -423,15 +426,6 @@ def image_format(path: Path) -> str:
     if name not in IMAGE_FORMATS:
         raise FileError(f"{path}: a picture's name must end in one of .{', .'.join(IMAGE_FORMATS)}")
     return name
-
-
-def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
-    """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
-    from matplotlib.patches import Patch
-
-    unit, written = drawn.field.unit, lengths_in(drawn.units)
-    shown = levels[:: -(-len(levels) // most) or 1]
-    return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
 
 
 def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:

@@ -14,7 +14,7 @@ from rsegen.cli.parameters import Force, Scheduler, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, share_bar
 from rsegen.driving.parameters import Size, Speed, Tracks, Turn, Wheels
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, refuse_other
 from rsegen.field.crossing import robot_kinds
 from rsegen.params.command import Shell, add_flags, command, declared, flags_in_errors, given
 from rsegen.params.sorts import Choice, FilePath, Float, Integer, ListOf, Reference
@@ -138,10 +138,12 @@ def rate(  # noqa: PLR0913  # each is a flag
     from dataclasses import replace
 
     from rsegen.rating.rate import Rated, Target, rate_robot, reliability_shown, usual_fields
+    from rsegen.recipe.recipe import Recipe
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import unchanged_if_stopped
 
     fields = usual_fields() if recipe is None else recipe
+    refuse_other("recipe", fields, Recipe)
     fields = fields if seed is None else replace(fields, seed=seed)
     limits = {"wheels": wheels, "tracks": tracks, "size": size, "speed": speed, "turn": turn}
     rated = Rated(robot=robot, limits=limits, motors=motors, duration=duration)

@@ -191,9 +191,13 @@ def _curves(plan: RatingPlan, judges: Sequence[Judge], store: Store | None, targ
             curves.append(make_curve(plan, judge, begun.get(judge.title, ()), where, keep(judge), tell))
     except KeyboardInterrupt:
         if store is None:
-            raise Stopped(f"{made} trials were made, and are not kept", changed=False) from None
-        raise Stopped(f"{made} trials are complete in {store.folder}", changed=bool(made)) from None
+            raise Stopped(f"{_trials(made)} made, and not kept", changed=False) from None
+        raise Stopped(f"{_trials(made)} complete in {store.folder}", changed=bool(made)) from None
     return curves
+
+
+def _trials(count: int) -> str:
+    return f"{count} trial{'s'[: count != 1]}"
 
 
 def _notes(recipe: Recipe, curves: Sequence[Curve]) -> list[str]:

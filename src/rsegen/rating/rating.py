@@ -20,6 +20,7 @@ import numpy as np
 
 from rsegen.driving.many import csv_lines, wilson
 from rsegen.field.stepfield import Array
+from rsegen.params.command import Reported
 from rsegen.params.numbers import decimal
 from rsegen.pictures.preview import encoded, figure_of
 from rsegen.rating.axes import Axis
@@ -128,7 +129,7 @@ class Curve:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rating:
+class Rating(Reported):
     """The result of `rsegen.rate`.
 
     Attributes
@@ -300,6 +301,7 @@ def shown_places(curves: Sequence[Curve]) -> tuple[float, float]:
     axis = curves[0].axis
     ends = [curve.posterior.at_share(share)[0] for curve in curves for share in (0.9, 0.03)]
     ends += [axis.place(level) for curve in curves for level, _, count in points_of(curve) if count > 1]
+    ends += [axis.place(level) for curve in curves if not curve.outside for level in (*curve.half[1:], *curve.most[1:])]
     first, last = axis.ends
     return max(min(ends) - 0.1, first), min(max(ends) + 0.1, last)
 

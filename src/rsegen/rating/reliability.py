@@ -16,6 +16,7 @@ from math import comb, exp, floor, lgamma, log
 from pathlib import Path, PurePosixPath
 
 from rsegen.driving.many import ManyDrives
+from rsegen.params.command import Reported
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.codec import to_json
@@ -88,7 +89,7 @@ def _percent(share: float) -> str:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ReliabilityTest:
+class ReliabilityTest(Reported):
     """The result of `rsegen.rate` with a reliability to be shown.
 
     Attributes

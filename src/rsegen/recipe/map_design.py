@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.crossing import CrossingModel, StepLimits, robot_that_crosses
-from rsegen.params.sorts import MOST_LEVELS, Choice, Float, Integer, Json, ListOf, Size2D, validate
+from rsegen.params.sorts import MOST_LEVELS, Choice, Float, Integer, Json, ListOf, Size2D, list_parts, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class DifficultySort:
         return (low, high) if len(value) == 2 else (low, high, _STEPS.check(f"{where}[2]", value[2]))
 
     def parse(self, text: str) -> object:
-        parts = text.split(",")
+        parts = list_parts(text)
         if len(parts) == 1:
             return _SHARE.parse(text)
         return [_SHARE.parse(part) for part in parts[:2]] + [_STEPS.parse(part) for part in parts[2:]]

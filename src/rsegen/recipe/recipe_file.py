@@ -24,12 +24,12 @@ MAX_RECIPE_MIB = {".json": 64, ".yaml": 4}
 
 
 def load(path: str | Path) -> Recipe:
-    """Read the recipe in a YAML or JSON file.
+    """Read the recipe in a YAML or JSON file, or an example.
 
     Parameters
     ----------
     path : str or Path
-        The file.
+        The file, or the name of an example.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def load(path: str | Path) -> Recipe:
     ParameterError
         If a value in it is wrong.
     """
-    recipe, _ = recipe_and_content(FilePath("a file").check("path", path))
+    recipe, _ = recipe_and_content(or_example(FilePath("a file").check("path", path)))
     return recipe
 
 

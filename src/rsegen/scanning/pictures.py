@@ -71,7 +71,7 @@ def _draw_points(axes: Axes, scan: Scan, points: Array, written: Lengths) -> Non
         vmax=highest * written.per_metre,
         rasterized=True,
     )
-    axes.figure.colorbar(drawn, ax=axes, label=f"height above the ground [{written.unit}]")
+    axes.figure.colorbar(drawn, ax=axes, label=f"height above the ground [{written.unit}]", shrink=0.8)
     for cells, half, other, line in ((0, half_x, half_y, axes.vlines), (1, half_y, half_x, axes.hlines)):
         line(np.linspace(-half, half, scan.levels.shape[cells] + 1), -other, other, colors="#d62728", linewidth=0.8)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="the points from above, and the grid that was found", aspect="equal")
@@ -83,7 +83,8 @@ def _draw_errors(axes: Axes, scan: Scan, written: Lengths) -> None:
     errors = np.ma.masked_invalid(scan.errors * written.per_metre)
     shown = show_cells(axes, scan.field, errors, cmap="RdBu_r", vmin=-half, vmax=half, interpolation="none")
     axes.set_facecolor(_UNSEEN)
-    axes.figure.colorbar(shown, ax=axes, label=f"measured height above that of the level [{written.unit}]", pad=0.1)
+    label = f"measured height above that of the level [{written.unit}]"
+    axes.figure.colorbar(shown, ax=axes, label=label, pad=0.1, shrink=0.8)
     if max(scan.levels.shape) <= LEGIBLE:
         middle_x, middle_y = (line.tolist() for line in scan.field.middles())
         for (x, y), level in np.ndenumerate(scan.levels):

@@ -328,6 +328,10 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
         journal = read_journal(folder)
         if journal is None:
             for name, _ in _files(folder):
+                top = name.partition("/")[0]
+                if inner := read_journal(folder / top) if (folder / top).is_dir() else None:
+                    kind = _KINDS.get(inner.holds, "files of rsegen")
+                    raise OutputError(f"{shown}: contains {kind} in {top}; use another folder")
                 raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
             return
         if journal.holds != holds:
