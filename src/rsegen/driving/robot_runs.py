@@ -20,9 +20,9 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.poses import Pose, adjacent_pose
-from rsegen.standing.outlines import Bounds, Outline, fits
+from rsegen.standing.outlines import Outline, fits
 from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import GAP, spot_generator, spots_on_map
+from rsegen.standing.spots import GAP, spot_generator, find_spots
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""
@@ -57,9 +57,9 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
         straight = partial(Straight, speed=robot.driving_speed, turn=robot.turn, goal=goal)
         return _named(robot, starts, [partial(straight, line=at.y) for at in starts])
     places: Sequence[Spot | None] = [None] * count
-    if fits(Bounds.of(field), body):  # a command knows `robots`, not `count`
+    if fits(field, body):  # a command knows `robots`, not `count`
         try:
-            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
+            places = find_spots(field, body, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
             raise type(error)("robots" if error.where == "count" else error.where, error.problem) from None
     starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]

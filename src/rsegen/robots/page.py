@@ -42,7 +42,7 @@ from rsegen.standing.reach import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import centre_at, outer_radius, settle
 from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import spot_generator, spots_on_map
+from rsegen.standing.spots import spot_generator, find_spots
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Way as LatticeWay
 
@@ -356,7 +356,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
         area = reached(field, body, watch)
         spots: Sequence[Spot] = ()
         with suppress(ParameterError):  # there are none
-            spots = spots_on_map(field, body, 2, spot_generator(recipe.seed))
+            spots = find_spots(field, body, 2, spot_generator(recipe.seed))
     crossings = {"west to east": area.west_east, "south to north": area.south_north}
     across = [name for name, way in crossings.items() if way.crosses]
     nowhere = f"does not cross; largest area {area.coverage:.0%} of the map"

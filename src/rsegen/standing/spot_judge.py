@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import degrees, pi, tan
-from typing import TypeVar
 
 import numpy as np
 
@@ -98,7 +97,6 @@ class Fault(IntEnum):
         )[self]
 
 
-Values = TypeVar("Values", Ints, Mask)
 Place = tuple[Fault, Spot]
 At = tuple[Array, Array, Array]
 """x, y [m] and yaw [rad] of n robots."""
@@ -212,27 +210,21 @@ class SpotJudge:
         looks = settle(self.ground, self.body, x + np.cos(yaw) * along, y + np.sin(yaw) * along, yaw)
         return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
 
-    def left(self, places: Sequence[Spot]) -> list[Spot | None]:
-        """Return the spots of those places from which a lane ahead is driven to its end, never steep, without a fall.
+    def left(self, place: Spot) -> Spot | None:
+        """Return the spot of a place, if a lane ahead is driven to its end from there, never steep, without a fall.
 
         It is put down once more, where it rests: a place at the very edge of a block is none, and of two ways to stand
         there the spot has the one in which it stands then.
         """
-        x, y, yaw = np.array([(spot.x, spot.y, spot.yaw) for spot in places]).T
-        again = list(self.put_down((x, y, yaw)))
-        leaves = np.array([fault is Fault.NONE for fault, _ in again])
+        at = np.array([place.x]), np.array([place.y]), np.array([place.yaw])
+        ((fault, rest),) = self.put_down(at)
         # Only from where it still rests as a spot must is a lane driven, the dearest of the checks.
-        if leaves.any():
-            lanes = drive_lanes(self.ground, self.body, *some((x, y, yaw), leaves), self.lane)
-            heights, steep = (
-                values.reshape(leaves.sum(), -1) for values in (lanes.poses.z, self._is_steep(lanes.poses))
-            )
-            falls = -np.diff(heights, axis=1).min(axis=1, initial=0.0)
-            leaves[leaves] = lanes.passed & ~steep.any(axis=1) & (falls <= self.fall)
-        return [
-            replace(rest, x=spot.x, y=spot.y, yaw=spot.yaw) if is_left else None
-            for spot, (_, rest), is_left in zip(places, again, leaves, strict=True)
-        ]
+        if fault is not Fault.NONE:
+            return None
+        lanes = drive_lanes(self.ground, self.body, *at, self.lane)
+        fall = -np.diff(lanes.poses.z).min(initial=0.0)
+        is_left = lanes.passed[0] and not self._is_steep(lanes.poses).any() and fall <= self.fall
+        return replace(rest, x=place.x, y=place.y, yaw=place.yaw) if is_left else None
 
     def _is_steep(self, rest: Settled) -> Mask:
         return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))
