@@ -18,10 +18,9 @@ from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes
-from rsegen.standing.outlines import Outline, apart, fits
+from rsegen.standing.outlines import Outline, Spot, apart, fits
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.settling import outer_radius
-from rsegen.standing.spot_judge import Spot
 from rsegen.standing.spots import MOST_TILT, find_spots
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])

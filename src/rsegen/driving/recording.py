@@ -34,7 +34,7 @@ from rsegen.simulators.batch import BatchWorlds
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose, Record, SteppedWorld
 from rsegen.simulators.server import attempted, running_server
-from rsegen.standing.spot_judge import Spot
+from rsegen.standing.outlines import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
 """Simulated seconds, and all contacts at that time, sample by sample."""

@@ -20,9 +20,8 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.poses import Pose, adjacent_pose
-from rsegen.standing.outlines import Outline, fits
-from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import GAP, spot_generator, find_spots
+from rsegen.standing.outlines import Outline, Spot, fits
+from rsegen.standing.spots import GAP, find_spots, spot_generator
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""

@@ -37,12 +37,12 @@ from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lattice import Lattice
+from rsegen.standing.outlines import Spot
 from rsegen.standing.planner import Planner
 from rsegen.standing.reach import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import centre_at, outer_radius, settle
-from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import spot_generator, find_spots
+from rsegen.standing.spots import find_spots, spot_generator
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Way as LatticeWay
 

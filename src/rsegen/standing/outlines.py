@@ -1,23 +1,48 @@
-"""Outlines of robots seen from above: rectangles that are apart from each other, and within the bounds of a field."""
+"""Spots of robots, and outlines of robots seen from above: rectangles apart from each other, and within a field."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.standing.body import Body
 
-if TYPE_CHECKING:
-    from rsegen.standing.spot_judge import Spot
-
 HEADINGS = 16
 """Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
 
 EXACT = 1e-9
 """Metres of rounding errors by which an outline may be beyond the map."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Spot:
+    """A place for a start or a goal of a robot.
+
+    Attributes
+    ----------
+    x, y, z, roll, pitch, yaw : float
+        Pose of the robot's origin at rest, metres and radians, as in Gazebo.
+    tilt : float
+        Angle between its upright and the vertical, radians.
+    tip_angle : float
+        The least turn that tips it over, radians.
+    reason : str
+        Empty; at a place that was taken for want of a spot, why it is none.
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    tilt: float = 0.0
+    tip_angle: float = 0.0
+    reason: str = ""
 
 
 class Outline(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import IntEnum
 from math import degrees, pi, tan
 
@@ -13,7 +13,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes
-from rsegen.standing.outlines import EXACT
+from rsegen.standing.outlines import EXACT, Spot
 from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
 from rsegen.standing.settling import Settled, outer_radius, settle
@@ -42,33 +42,6 @@ _LOOKS = 4
 _ROOM = tuple((lengths, turn * pi / 8) for lengths in (1, 2) for turn in (-1, 0, 1))
 """Lanes of these lengths of a robot, and turned to a side, are looked at for level ground: robots also steer, and where
 there is more room they go farther before something happens."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Spot:
-    """A place for a start or a goal of a robot.
-
-    Attributes
-    ----------
-    x, y, z, roll, pitch, yaw : float
-        Pose of the robot's origin at rest, metres and radians, as in Gazebo.
-    tilt : float
-        Angle between its upright and the vertical, radians.
-    tip_angle : float
-        The least turn that tips it over, radians.
-    reason : str
-        Empty; at a place that was taken for want of a spot, why it is none.
-    """
-
-    x: float
-    y: float
-    z: float
-    yaw: float
-    roll: float = 0.0
-    pitch: float = 0.0
-    tilt: float = 0.0
-    tip_angle: float = 0.0
-    reason: str = ""
 
 
 class Fault(IntEnum):

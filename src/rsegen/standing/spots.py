@@ -23,8 +23,8 @@ from rsegen.errors import NoSpot, ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.streams import generator
 from rsegen.standing.body import Body
-from rsegen.standing.outlines import EXACT, HEADINGS, Outline, apart, fits, range_inside
-from rsegen.standing.spot_judge import At, Fault, Place, Spot, SpotJudge, some
+from rsegen.standing.outlines import EXACT, HEADINGS, Outline, Spot, apart, fits, range_inside
+from rsegen.standing.spot_judge import At, Fault, Place, SpotJudge, some
 
 MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
