@@ -80,6 +80,9 @@ With kp 1e5 and kd 1, as the maker's TurtleBot3 has, a wheel sinks in by 1 mm, a
 bumps.
 """
 
+GROUND_FRICTION = 1.0
+"""Friction of the ground: simulators take the smaller of two, so more of a robot's own has no effect."""
+
 ALONG_Y: Vector = (-pi / 2, 0, 0)
 """Roll, pitch and yaw that lay a cylinder's axis along y, its z to the left."""
 

@@ -26,7 +26,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from rsegen.errors import FileError, shown
+from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
 from rsegen.robots.controllers import Controls
 from rsegen.robots.links import angles, pose_matrix, rotation
@@ -154,8 +154,7 @@ class _Reader:
         """Yield sentences about what of the file is not in the robot."""
         root = self._root
         if others := [self._link(tree[0]) for tree in self._trees[1:]]:
-            some = ", ".join(others[:_MOST_NAMES]) + (", ..." if len(others) > _MOST_NAMES else "")
-            yield f"left out, as they are other bodies of the scene: {some}"
+            yield f"left out, as they are other bodies of the scene: {some_of(others, _MOST_NAMES)}"
         if not self._is_free(root):
             held = [self._joint_names[joint] for joint in self._all_joints(root)]
             by = f" on {', '.join(held)}" if held else ""

@@ -14,7 +14,7 @@ from xml.etree.ElementTree import fromstring
 from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, some_of
 from rsegen.params.command import Shell, add_flags
 from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 
@@ -273,7 +273,6 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     """Yield the figures of a robot on level ground: its front and balance, and what else touches the ground, or may."""
     import numpy as np
 
-    from rsegen.robots.drivable import some_of
     from rsegen.standing.stance import stance
 
     body = robot.body

@@ -13,20 +13,21 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, shown, some_of
 from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import numbers
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
-from rsegen.robots.body import body_of_file
+from rsegen.robots.body import body_of_model
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, some_of, take_out
+from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
 from rsegen.robots.holding import hold
 from rsegen.robots.includes import NOT_INCLUDED, Includes
@@ -120,7 +121,7 @@ class SdfRobot(RobotOnField):
     @property
     def body(self) -> Body:
         """The robot from below, with its joints at 0; FileError for a shape that cannot be measured."""
-        return body_of_file(self)
+        return _body_of(self)
 
     @property
     def body_or_box(self) -> Body:
@@ -154,7 +155,7 @@ class SdfRobot(RobotOnField):
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
-        return hold_and_turn(self._model(), self, follows=True)
+        return self._hold(self._model())
 
     @property
     def followers(self) -> tuple[str, ...]:
@@ -182,7 +183,7 @@ class SdfRobot(RobotOnField):
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
-        make_drivable(model, self, name, simulator)
+        self._make_drivable(model, name, simulator)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -191,7 +192,7 @@ class SdfRobot(RobotOnField):
         It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
         """
         model = self._placed(name, at)
-        hold_and_turn(model, self, follows=True)
+        self._hold(model)
         for tag in ("plugin", "sensor"):
             take_out(model, tag)
         return _outer(model)
@@ -225,9 +226,9 @@ class SdfRobot(RobotOnField):
         if simulator == "classic" and (light := self.light_wheels):
             yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
-            changes = make_drivable(self._model(), self, self.kind, simulator)
+            changes = self._make_drivable(self._model(), self.kind, simulator)
         else:
-            changes = {HELD: some_of(hold_and_turn(self._model(), self, follows=True))}
+            changes = {HELD: some_of(self.held)}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
@@ -243,6 +244,19 @@ class SdfRobot(RobotOnField):
             tuple(name for name in names if name not in values) for names in (self.derived, self.assumed)
         )
         return replace(self, derived=derived, assumed=assumed, **values)
+
+    @property
+    def _driven(self) -> ReadDrive | None:
+        """Its drive as it was read, with its maximum speed and turn rate."""
+        return self.read_drive._replace(drive=self.drive) if self.read_drive else None
+
+    def _hold(self, model: Element) -> tuple[str, ...]:
+        """Hold the joints of its model that nothing drives, where <mimic> is kept to, and return their names."""
+        return hold_and_turn(model, self.kind, self._driven, self.steering, follows=True)
+
+    def _make_drivable(self, model: Element, name: str, backend: str) -> dict[str, str]:
+        """Give its model a drive of a Gazebo; return what else was changed, and why."""
+        return make_drivable(model, self.kind, self._driven, self.steering, name=name, backend=backend)
 
     def _is_undriven(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
@@ -286,6 +300,14 @@ class SdfRobot(RobotOnField):
         pose.text = numbers((at[0], at[1], at[2] + self.lift, *at[3:]))
         model.insert(0, pose)
         return model
+
+
+@lru_cache(maxsize=16)
+def _body_of(robot: SdfRobot) -> Body:
+    """Return the body of a robot; of one whose drive is not known, whatever hangs on a joint that turns drives."""
+    frames, read = ModelFrames(fromstring(robot.text), robot.kind), robot.read_drive  # noqa: S314  # was found plain
+    driven = read.drive.links(frames.child) if read else set(map(frames.child, robot.joints))
+    return body_of_model(frames, driven, lift=robot.lift, length=robot.size[0], speed=robot.driving_speed)
 
 
 def is_robot_file(what: object) -> bool:

@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from rsegen.errors import FileError, shown
+from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
 from rsegen.robots.mimics import Mimic, put_mimic
@@ -294,8 +294,7 @@ def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str,
         if head not in above:
             if not body.mass and head != _WORLD:
                 fixed = [shown(link) for link, its_head in source.heads.items() if its_head == head != link]
-                named = ", ".join(fixed[:_MOST_NAMED]) + (", ..." if len(fixed) > _MOST_NAMED else "")
-                nor = f", nor have those that are fixed to it: {named}" if fixed else ""
+                nor = f", nor have those that are fixed to it: {some_of(fixed, _MOST_NAMED)}" if fixed else ""
                 why = f"link {shown(head)} has no mass{nor}; a simulator needs {'an' if fixed else 'its'} <inertial>"
                 raise FileError(f"{source.where}: {why}")
         elif not body.mass or source.heads[above[head].parent] in left_out:
