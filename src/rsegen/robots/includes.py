@@ -18,8 +18,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, shown
-from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles
+from rsegen.robots.sdf_elements import pose_text
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.uris import found_uri, resolve_uris
 
@@ -122,7 +121,7 @@ def _place(model: Element, include: Element, where: str) -> None:
             raise FileError(f"{where}: has no frame {shown(frame)} by which it is placed")
         outer = Element("model")
         outer.append(wanted)
-        moved = _text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
+        moved = pose_text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
         relative = wanted.get("relative_to")
         wanted = Element("pose", {} if relative is None else {"relative_to": relative})
         wanted.text = moved
@@ -143,7 +142,7 @@ def _merged(model: Element) -> list[Element]:
         is_of_model = element.tag in ("link", "model") or (element.tag == "frame" and not element.get("attached_to"))
         if other not in ("", "__model__") or not (is_of_model or other):
             continue
-        moved = _text(base @ frames.local(element))
+        moved = pose_text(base @ frames.local(element))
         if own is not None:
             element.remove(own)
         placed = Element("pose", {"relative_to": relative} if relative else {})
@@ -160,7 +159,3 @@ def _take_out_joints(model: Element, lost: list[str]) -> None:
         ends = ((joint.findtext(tag) or "").strip().partition("::")[0] for tag in ("parent", "child"))
         if not known.issuperset(ends):
             model.remove(joint)
-
-
-def _text(transform: Array) -> str:
-    return " ".join(f"{value + 0.0:.12g}" for value in (*transform[:3, 3], *angles(transform[:3, :3])))

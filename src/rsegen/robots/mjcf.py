@@ -33,13 +33,18 @@ from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
-from rsegen.robots.sdf_elements import Mass, append_inertial, numbers_text, pose_text, put, sum_of_masses
+from rsegen.robots.sdf_elements import (
+    LATEST_OF_CLASSIC,
+    Mass,
+    append_inertial,
+    numbers_text,
+    pose_text,
+    put,
+    sum_of_masses,
+)
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.urdf import Converted
 from rsegen.robots.wheel_joints import is_wheel
-
-_VERSION = "1.7"
-"""The version of SDF that is written: the latest that Gazebo Classic reads."""
 
 _BETWEEN = 1e-3
 """Share of a body's mass that a link between two of its joints has, as none may have no mass."""
@@ -110,7 +115,7 @@ class _Reader:
             is_head = body == self._root or self._model.body_jntnum[body]
             self._heads[body] = body if is_head else self._heads[int(self._model.body_parentid[body])]
         self._joint_names = {joint: self._joint_name(joint) for joint in range(self._model.njnt)}
-        self._sdf = Element("sdf", version=_VERSION)
+        self._sdf = Element("sdf", version=LATEST_OF_CLASSIC)
         self._made = SubElement(self._sdf, "model", name=source.name)
 
     def robot(self) -> Robot:

@@ -47,6 +47,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
     plugin_problem,
 )
+from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
@@ -70,9 +71,6 @@ MAX_ROBOT_MIB = 4
 
 SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml", ".mjcf")
 """Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
-
-_LATEST_OF_CLASSIC = "1.7"
-"""The latest version of SDF that Gazebo Classic reads."""
 
 _FIRST_WITH_MIMIC = 11
 """The first version of SDF, 1.11, that has <mimic>, which Gazebo Sim then keeps to."""
@@ -199,8 +197,8 @@ class SdfRobot(RobotOnField):
 
     def file(self, name: str, simulator: str = "classic") -> str:
         """Return the text of an SDF file of it with its own plug-ins, ROS's too; what has no drive stands still."""
-        is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
-        version = _LATEST_OF_CLASSIC if is_newer else self.version
+        is_newer = simulator == "classic" and _minor(self.version) > _minor(LATEST_OF_CLASSIC)
+        version = LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         self._refuse_inline_meshes(model)
         if simulator == "classic":

@@ -25,6 +25,7 @@ from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.sdf_elements import (
+    LATEST_OF_CLASSIC,
     MOMENTS,
     NO_MASS,
     Mass,
@@ -37,9 +38,6 @@ from rsegen.robots.sdf_elements import (
     sum_of_masses,
 )
 from rsegen.robots.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
-
-_VERSION = "1.7"
-"""The version of SDF that is written: the latest that Gazebo Classic reads."""
 
 _WORLD = "world"
 """The root link of a robot that stands fixed in the world."""
@@ -170,7 +168,7 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
     _refuse_moments_of(masses, merged, where)
     left_out = _left_out(source, above, masses)
 
-    sdf = Element("sdf", version=_VERSION)
+    sdf = Element("sdf", version=LATEST_OF_CLASSIC)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
     for head, parts in merged.items():
         if head in left_out or (head == _WORLD and head not in above):
