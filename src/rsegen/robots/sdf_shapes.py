@@ -113,10 +113,7 @@ class ModelFrames:
     def collisions(self) -> Iterator[tuple[str, Element, Element]]:
         """Yield the collision shapes that have an end, with the names of their links, and their geometries."""
         for link, element in self.links():
-            for collision in element.findall("collision"):
-                geometry = collision.find("geometry")
-                if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
-                    yield link, collision, geometry
+            yield from ((link, *shape) for shape in geometries(element, "collision"))
 
     def _placed(self, name: str, element: Element, depth: int = 0) -> Array:
         """Return the pose of an element in the model's frame, (4, 4); of a shape, `name` is its link's."""
@@ -163,6 +160,14 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
             yield f"{scope}{element.get('name', '')}", element
         if element.tag == "model":
             yield from named(element, f"{scope}{element.get('name', '')}::")
+
+
+def geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:
+    """Yield the collision shapes, or visuals, of a link that have an end, and their geometries."""
+    for shape in link.findall(tag):
+        geometry = shape.find("geometry")
+        if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
+            yield shape, geometry
 
 
 def hang_on_links(frames: ModelFrames) -> None:
