@@ -44,7 +44,6 @@ from rsegen.robots.sdf_drives import (
     named_belts,
     named_tracks,
     named_wheels,
-    plugin_key,
     plugin_problem,
 )
 from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
@@ -89,20 +88,18 @@ _LARGEST_TURN = 3.0
 class SdfRobot(RobotOnField):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
-    backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
-    if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
-    be wheels; steered: those of wheels that are steered, if it has no drive; steering: the joints that steer them, also
-    if the user names others as its wheels; undriven: why its plug-in is not used, if it has no drive; size: of a box
-    around its origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres;
-    derived, assumed: which of size, speed and turn are from the model, and which from nowhere; remarks: sentences
-    about links that were left out, or whose inertia no body has, joints that do not follow others as they should,
-    and packages that are not found.
+    read_drive: its drive, None if it has neither wheels nor tracks that are known: then it cannot be driven, and
+    stands; joints: those that could be wheels; steered: those of wheels that are steered, if it has no drive; steering:
+    the joints that steer them, also if the user names others as its wheels; undriven: why its plug-in is not used, if
+    it has no drive; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above
+    the lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from
+    nowhere; remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow
+    others as they should, and packages that are not found.
     """
 
     kind: str
     text: str
     version: str = "1.6"
-    backend: str | None = None
     read_drive: ReadDrive | None = None
     joints: tuple[str, ...] = ()
     steered: tuple[str, ...] = ()
@@ -168,11 +165,6 @@ class SdfRobot(RobotOnField):
         if not isinstance(drive, Wheels):
             return ""
         return light_wheels(drive, ModelFrames(self._model(), self.kind), self.driving_speed)
-
-    @property
-    def topic(self) -> str | None:
-        """The topic of its drive with {name} for its name, None if no drive is known."""
-        return self.command("{name}", 0, 0, self.backend or "classic").topic if self.read_drive else None
 
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
@@ -386,7 +378,6 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         kind=re.sub(r"\W|^(?=\d)", "_", model.get("name", ""), flags=re.ASCII),
         text=_outer(model),
         version=version,
-        backend=_backend(model, drive),
         read_drive=drive,
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in TURNING),
         steered=() if drive else tuple(steering),
@@ -458,16 +449,6 @@ def _size(shapes: Extents, where: str) -> Vector | None:
     for side in (x, y, z):
         refuse_outside(SIDE, side, f"{where}: the box around its collision shapes, {x:.4g} x {y:.4g} x {z:.4g} m")
     return None if shapes.unknown else (x, y, z)
-
-
-def _backend(model: Element, drive: ReadDrive | None) -> str | None:
-    """Return the backend that the plug-in of a drive is of; None for ROS's, and for wheels that the user named."""
-    if not drive or not drive.plugin or "_ros_" in drive.plugin:
-        return None
-    if drive.plugin.endswith("Plugin"):
-        return "classic"
-    files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
-    return "fortress" if any("ignition" in file for file in files if plugin_key(file) == drive.plugin) else "sim"
 
 
 def _derived(robot: SdfRobot) -> str:
