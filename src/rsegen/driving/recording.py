@@ -34,7 +34,6 @@ from rsegen.simulators.batch import BatchWorlds
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose, Record, SteppedWorld, wrapped
 from rsegen.simulators.server import attempted, running_server
-from rsegen.standing.outlines import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
 """Simulated seconds, and all contacts at that time, sample by sample."""
@@ -90,11 +89,10 @@ _SAME = 1e-4
 class RobotRun(PlacedRobot):
     """A robot with its name in the world, its start pose, and a function that makes its route anew for each attempt.
 
-    spot: the place on the map at which it starts, if it does; way: the one that its route follows
+    way: the one that its route follows
     """
 
     route: Callable[[], Route]
-    spot: Spot | None = None
     way: PlannedWay | None = None
 
 

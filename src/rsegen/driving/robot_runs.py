@@ -13,6 +13,7 @@ from math import ceil
 
 import numpy as np
 
+from rsegen.driving.parameters import ROUTES
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.errors import ParameterError, UnknownName
@@ -25,8 +26,6 @@ from rsegen.standing.spots import GAP, find_spots, spot_generator
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""
-
-ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
 
 def robot_runs(  # noqa: PLR0913  # the last four by name
@@ -62,8 +61,7 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
         except ParameterError as error:
             raise type(error)("robots" if error.where == "count" else error.where, error.problem) from None
     starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
-    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
-    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
+    return _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
 
 
 def runs_along(field: StepField, robot: DrivableRobot, way: PlannedWay, count: int = 1) -> Sequence[RobotRun]:
