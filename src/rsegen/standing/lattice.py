@@ -189,7 +189,7 @@ class Lattice:
             first_last = (self._rest.some(numbers[0][part]), self._rest.some(numbers[1][part])) if numbers else None
             lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last)
             passed.append(lanes.passed)
-            count = len(lanes.poses.x) // len(lanes.end)
+            count = lanes.drops.shape[1]
             values = self.worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
             worst.append(np.zeros(len(lanes.end)))
             worst[-1][lanes.passed] = values.reshape(-1, count).max(axis=1)

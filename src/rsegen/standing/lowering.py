@@ -42,7 +42,6 @@ from rsegen.standing.lanes import (
     driven_lanes,
     entry_distance,
     lines_along,
-    origins,
     step_of,
 )
 from rsegen.standing.settling import outer_radius
@@ -202,24 +201,22 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 class _Strips:
     """Lanes with the cells next to them, one next to the other as their own field, S of them.
 
-    levels: (S, n, w), frame: (S, n, w); beside: cells to each side of a lane that stay as they are
+    levels: (S, n, w), frame: (S, n, w), with a cell to each side of a lane that stays as it is
     """
 
     field: StepField
     levels: Ints
     frame: Mask
-    beside: int
 
     @classmethod
     def of(cls, field: StepField, lines: list[int], aside: int) -> _Strips:
         """Return the strips of lanes about lines of cells."""
-        beside, width = 1, 2 * (aside + 1) + 1
+        width = 2 * (aside + 1) + 1
         levels, frame = (np.pad(values, ((0, 0), (aside + 1, aside + 1))) for values in (field.levels, field.frame))
         return cls(
             field=field,
             levels=np.stack([levels[:, line : line + width] for line in lines]).astype(np.int64),
             frame=np.stack([frame[:, line : line + width] for line in lines]),
-            beside=beside,
         )
 
     def smoothed(self, body: Body, room: float, progress: Callable[[float], object]) -> Ints:
@@ -248,7 +245,7 @@ class _Strips:
                     continue
                 self._lower(strip, window)
                 is_lowered[strip, piece, way] = changed[strip, window] = True
-            for strip, piece in np.argwhere(np.ones(shape[:2], bool)).tolist():
+            for strip, piece in np.ndindex(shape[:2]):
                 near = slice(
                     self._window(float(starts[piece]), body).start,
                     self._window(float(starts[piece] + _PIECE * width), body).stop,
@@ -277,9 +274,8 @@ class _Strips:
         y = ((pieces[:, 0] + 0.5) * wide - levels.shape[1] / 2) * width + side * room_beside(body)
         ground = PaddedGround.of(field, outer_radius(body))
         lanes = drive_lanes(ground, body, starts[pieces[:, 1]], y, turn * _TURNED, _PIECE * width)
-        count, ended = len(lanes.poses.x) // len(pieces), np.flatnonzero(~lanes.passed)
-        ends = np.full(len(pieces), np.nan)
-        ends[ended] = origins(lanes.poses.some(ended * count + lanes.last[ended]), body)[0]
+        ended, ends = np.flatnonzero(~lanes.passed), np.full(len(pieces), np.nan)
+        ends[ended] = lanes.ends_of(ended, body)[0]
         return ends
 
     def _lower(self, strip: int, window: slice) -> None:
@@ -287,7 +283,7 @@ class _Strips:
 
         window: lines of cells along x, counted from the ground before the field
         """
-        inner = slice(self.beside, self.levels.shape[2] - self.beside)
+        inner = slice(1, -1)
         own, frame = self.levels[strip, :, inner], self.frame[strip, :, inner]
         padded, walls = np.pad(own, ((1, 1), (0, 0))), np.pad(frame, ((1, 1), (0, 0)))
         part, wall = padded[window], walls[window]

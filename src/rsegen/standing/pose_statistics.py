@@ -13,6 +13,9 @@ from rsegen.standing.resting import of_settled
 from rsegen.standing.settling import Settled, outer_radius, settle
 from rsegen.standing.stable import stable_at
 
+_HEADINGS = 8
+"""Headings at each block, evenly spread: those of a lattice, whose poses `reach` counts."""
+
 _SAMPLE = 128
 """Poses at which all stable ones are looked for, evenly spread over all: seventeen times the work, and an error of the
 share of four in a hundred at most."""
@@ -37,14 +40,12 @@ class PoseStatistics:
     clearance_least: float | None
 
 
-def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStatistics:
+def pose_statistics(field: StepField, body: Body) -> PoseStatistics:
     """Return how a robot rests all over a field, with its middle above the middles of the blocks."""
-    edges_x, edges_y = field.edges()
-    i, j = np.nonzero(~field.frame)
-    middles = (edges_x[i] + edges_x[i + 1]) / 2, (edges_y[j] + edges_y[j + 1]) / 2
-    x, y = (np.repeat(along, headings) for along in middles)
+    at = np.nonzero(~field.frame)
+    x, y = (np.repeat(along[own], _HEADINGS) for along, own in zip(field.middles(), at, strict=True))
     ground = PaddedGround.of(field, outer_radius(body))
-    rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
+    rest = settle(ground, body, x, y, np.tile(np.arange(_HEADINGS) * 2 * np.pi / _HEADINGS, len(at[0])))
     return statistics_of(ground, body, rest)
 
 

@@ -106,7 +106,8 @@ class _Search:
 
     def level_places(self) -> Ints:
         """Return the numbers of the first places where the ground is level."""
-        level, begin, count = np.empty(0, np.intp), 0, _LOOKED_AT
+        level: Ints = np.empty(0, np.intp)
+        begin, count = 0, _LOOKED_AT
         while len(level) < _LOOKED_AT and begin < _DRAWN:
             numbers, at = self.inside(begin, begin + count)
             level = np.append(level, numbers[self.judge.is_level(at)])[:_LOOKED_AT]
