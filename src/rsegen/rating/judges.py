@@ -182,9 +182,6 @@ def trials(judge: Judge, axis: Axis, recipe: Recipe, several: Sequence[Asked]) -
     return [judge.trial(axis.recipe_at(recipe, asked.level), asked) for asked in several]
 
 
-BY = ("mujoco", "prediction", "classic", "sim")
-"""The judges of a robot by their names."""
-
 _TIMES = 3
 """A drive takes at most as many times as long as on level ground: hardly any that crossed took more than twice."""
 
