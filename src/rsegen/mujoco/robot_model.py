@@ -24,11 +24,11 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import pose_matrix
 from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
-from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
 from rsegen.robots.motors import is_damped_at_the_end, motor

@@ -21,6 +21,7 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import pose_matrix
 from rsegen.mujoco.contacts import Belts, Shapes, slide
 from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, NamedBoxes, map_model
@@ -28,7 +29,6 @@ from rsegen.mujoco.robot_model import weights
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Tracks, Wheels
-from rsegen.robots.links import pose_matrix
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene

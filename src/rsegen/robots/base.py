@@ -17,24 +17,13 @@ from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.crossing import SIDE
 from rsegen.field.stepfield import Array
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.geometry.poses import turn_about
 from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter, parameters
 from rsegen.recipe.recipe import Run
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
-from rsegen.robots.links import (
-    GROUND_FRICTION,
-    ORIGIN,
-    Box,
-    Cylinder,
-    Joint,
-    Lidar,
-    Link,
-    SdfPose,
-    Vector,
-    posed,
-    turn_about,
-)
+from rsegen.robots.links import GROUND_FRICTION, ORIGIN, Box, Cylinder, Joint, Lidar, Link, SdfPose, Vector, posed
 from rsegen.robots.simulator_shapes import with_capsules
 from rsegen.standing.body import (
     Body,

@@ -10,9 +10,9 @@ from xml.etree.ElementTree import Element, SubElement, fromstring
 
 from rsegen.errors import some_of
 from rsegen.gazebo.sdf import numbers
+from rsegen.geometry.poses import angles, rotation
 from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
 from rsegen.robots.holding import hold, turn_to_the_left
-from rsegen.robots.links import angles, rotation
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
     KNOWN,

@@ -28,8 +28,8 @@ import numpy as np
 
 from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import angles, pose_matrix, rotation
 from rsegen.robots.controllers import Controls
-from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
@@ -76,26 +76,22 @@ class Motor(NamedTuple):
     torque: float | None
 
 
-class Robot(NamedTuple):
-    """The robot of a file as SDF, which of its joints have motors, and what is not as in the file, in sentences."""
+def of_mujoco(root: Element, where: str, wheels: Collection[str]) -> tuple[Converted, Controls]:
+    """Return the robot of a file whose XML is `root` as SDF, and which of its joints have motors.
 
-    converted: Converted
-    controls: Controls
-
-
-def of_mujoco(root: Element, where: str, wheels: Collection[str] = ()) -> Robot:
-    """Return the robot of a file whose XML is `root`; FileError if it has none. wheels: joints that the user names."""
+    FileError if it has none. wheels: joints that the user names
+    """
     source = compiled(root, where)
     reader = _Reader(source, where, wheels)
-    robot = reader.robot()
+    robot, controls = reader.robot()
     turn = reader.turn_of_axles()
-    if robot.controls.rates or not turn:
-        return robot
-    turned = _Reader(source, where, wheels, turn).robot()
-    if not (turned.controls.rates or wheels):
-        return robot
+    if controls.rates or not turn:
+        return robot, controls
+    turned, turned_controls = _Reader(source, where, wheels, turn).robot()
+    if not (turned_controls.rates or wheels):
+        return robot, controls
     remark = f"turned by {degrees(turn):.4g} degrees about z, as its axles were along another axis than y"
-    return Robot(turned.converted, turned.controls._replace(remarks=(*turned.controls.remarks, remark)))
+    return turned, turned_controls._replace(remarks=(*turned_controls.remarks, remark))
 
 
 class _Reader:
@@ -118,8 +114,8 @@ class _Reader:
         self._sdf = Element("sdf", version=LATEST_OF_CLASSIC)
         self._made = SubElement(self._sdf, "model", name=source.name)
 
-    def robot(self) -> Robot:
-        """Return the robot."""
+    def robot(self) -> tuple[Converted, Controls]:
+        """Return the robot, and which of its joints have motors; what is not as in its file is a remark of these."""
         model, remarks = self._model, list(self._left_out())
         masses = {head: self._mass(head) for head in dict.fromkeys(self._heads.values())}
         for head, mass in masses.items():
@@ -139,7 +135,7 @@ class _Reader:
             remarks.append(f"left out, as these visual meshes are not found: {', '.join(missing)}")
         if model.nflex:
             remarks.append("left out its flexible bodies")
-        return Robot(Converted(self._sdf, (), tuple(followers)), Controls(rates, (), tuple(remarks), "its actuators"))
+        return Converted(self._sdf, (), tuple(followers)), Controls(rates, (), tuple(remarks), "its actuators")
 
     # Which bodies.
 

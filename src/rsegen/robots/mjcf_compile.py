@@ -19,8 +19,8 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_files import Triangles, binary_faces
+from rsegen.geometry.poses import pose_matrix
 from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, text_of, xml_root
-from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import MANY_FACES, SUFFIXES, inline_uri, refuse_large
 
 _MAX_MIB = 4

@@ -19,6 +19,7 @@ import numpy as np
 from rsegen.driving.routes import followed
 from rsegen.errors import FileError, ParameterError, UserError, line_of
 from rsegen.field.stepfield import Array, StepField
+from rsegen.geometry.poses import rotation
 from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metrics, nested
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
@@ -27,7 +28,7 @@ from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import Robot
-from rsegen.robots.links import DARK, GREY, Box, Cylinder, Sphere, posed, rotation
+from rsegen.robots.links import DARK, GREY, Box, Cylinder, Sphere, posed
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, swept_box

@@ -21,7 +21,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
 
 _DEEPEST = 30

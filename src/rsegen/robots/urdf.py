@@ -22,7 +22,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.sdf_elements import (
     LATEST_OF_CLASSIC,

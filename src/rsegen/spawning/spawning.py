@@ -24,12 +24,12 @@ from typing import TypeAlias
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.stepfield import StepField
 from rsegen.gazebo.sdf import numbers
+from rsegen.geometry.poses import rotation
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import recipe_in
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.links import rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene, compose
