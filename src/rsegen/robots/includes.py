@@ -18,6 +18,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, shown
+from rsegen.input_files import regular_content
 from rsegen.robots.sdf_elements import pose_text
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.uris import found_uri, resolve_uris
@@ -28,7 +29,10 @@ _MOST = 100
 NOT_INCLUDED = "put its folder next to that of the file, or into GZ_SIM_RESOURCE_PATH; rsegen fetches nothing itself"
 """Advice for a model that is not found."""
 
-_CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d+)["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
+_LARGEST_CONFIG = 2**16
+"""Bytes of model.config that are read; it has some hundreds."""
+
+_CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d{1,3})["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
 """A file in model.config, with the version of SDF that it has."""
 
 Read = Callable[[Path], Element]
@@ -98,10 +102,7 @@ def _sdf_file(path: Path | None) -> Path | None:
     """Return the SDF file of a model, that of the latest version if its folder has several; None for no model."""
     if path is None or path.is_file():
         return path
-    try:
-        config = (path / "model.config").read_text("utf-8", "replace")
-    except OSError:
-        config = ""
+    config = (regular_content(path / "model.config", _LARGEST_CONFIG) or b"").decode("utf-8", "replace")
     files = _CONFIGURED.findall(config)
     names = [name for _, name in sorted(files, key=lambda found: -int(found[0] or 0))]
     candidates = [path / name for name in (*names, "model.sdf")]
