@@ -9,12 +9,10 @@ import numpy as np
 from rsegen.field.stepfield import StepField
 from rsegen.standing.body import Body
 from rsegen.standing.ground import PaddedGround
+from rsegen.standing.lattice import HEADINGS
 from rsegen.standing.resting import of_settled
 from rsegen.standing.settling import Settled, outer_radius, settle
 from rsegen.standing.stable import stable_at
-
-_HEADINGS = 8
-"""Headings at each block, evenly spread: those of a lattice, whose poses `reach` counts."""
 
 _SAMPLE = 128
 """Poses at which all stable ones are looked for, evenly spread over all: seventeen times the work, and an error of the
@@ -43,9 +41,9 @@ class PoseStatistics:
 def pose_statistics(field: StepField, body: Body) -> PoseStatistics:
     """Return how a robot rests all over a field, with its middle above the middles of the blocks."""
     at = np.nonzero(~field.frame)
-    x, y = (np.repeat(along[own], _HEADINGS) for along, own in zip(field.middles(), at, strict=True))
+    x, y = (np.repeat(along[own], HEADINGS) for along, own in zip(field.middles(), at, strict=True))
     ground = PaddedGround.of(field, outer_radius(body))
-    rest = settle(ground, body, x, y, np.tile(np.arange(_HEADINGS) * 2 * np.pi / _HEADINGS, len(at[0])))
+    rest = settle(ground, body, x, y, np.tile(np.arange(HEADINGS) * 2 * np.pi / HEADINGS, len(at[0])))
     return statistics_of(ground, body, rest)
 
 
