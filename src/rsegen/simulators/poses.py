@@ -6,10 +6,11 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from rsegen.field.stepfield import Array, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.outlines import Spot
 from rsegen.standing.spots import GAP
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Pose:
     yaw: float = 0.0
 
     @classmethod
-    def above(cls, spot: Any) -> Pose:
+    def above(cls, spot: Spot) -> Pose:
         """Return the pose of a robot at rest at a spot, raised until no part of it is inside a block."""
         return cls(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
 
