@@ -147,6 +147,10 @@ class SdfRobot(RobotOnField):
             )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
+    def frames(self) -> ModelFrames:
+        """Return the links, joints and frames of its model."""
+        return ModelFrames(self._model(), self.kind)
+
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
@@ -156,7 +160,7 @@ class SdfRobot(RobotOnField):
     def followers(self) -> tuple[str, ...]:
         """The joints that follow another one in a drive, in a simulator that keeps to <mimic>."""
         held = self.held
-        return tuple(name for name in mimics(ModelFrames(self._model(), self.kind)) if name not in held)
+        return tuple(name for name in mimics(self.frames()) if name not in held)
 
     @property
     def light_wheels(self) -> str:
@@ -164,7 +168,7 @@ class SdfRobot(RobotOnField):
         drive = self.read_drive.drive if self.read_drive else None
         if not isinstance(drive, Wheels):
             return ""
-        return light_wheels(drive, ModelFrames(self._model(), self.kind), self.driving_speed)
+        return light_wheels(drive, self.frames(), self.driving_speed)
 
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
@@ -295,7 +299,7 @@ class SdfRobot(RobotOnField):
 @lru_cache(maxsize=16)
 def _body_of(robot: SdfRobot) -> Body:
     """Return the body of a robot; of one whose drive is not known, whatever hangs on a joint that turns drives."""
-    frames, read = ModelFrames(fromstring(robot.text), robot.kind), robot.read_drive  # noqa: S314  # was found plain
+    frames, read = robot.frames(), robot.read_drive
     driven = read.drive.links(frames.child) if read else set(map(frames.child, robot.joints))
     return body_of_model(frames, driven, lift=robot.lift, length=robot.size[0], speed=robot.driving_speed)
 

@@ -81,6 +81,10 @@ class ModelFrames:
         """Return the link that a joint hangs on."""
         return self._link(joint, "parent")
 
+    def holders(self) -> dict[str, str]:
+        """Return the joint on which each link hangs, by the links."""
+        return {self.child(name): name for name in self.joints}
+
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
 
