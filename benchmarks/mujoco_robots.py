@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from rsegen.field.stepfield import Array, StepField
+from rsegen.geometry.poses import rotation, turn_about
 from rsegen.robots.base import Robot
-from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, rotation, turn_about
+from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose
 
 STEP = 0.001
 """Seconds of a physics step, as in Gazebo Classic."""

@@ -35,9 +35,9 @@ from benchmarks.mujoco_robots import STEP, blocks, free_robot, model, pose_of, v
 from benchmarks.report import short
 from rsegen.driving.world_file import world_with_robots
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import rotation
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.links import rotation
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import attempted, running_server

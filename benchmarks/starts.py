@@ -23,8 +23,9 @@ import numpy as np
 from benchmarks.figures import RESULTS, keep, say
 from benchmarks.machine import machine
 from rsegen.driving.drive_metrics import Course, Incident, drive_metrics
+from rsegen.driving.parameters import ROUTES
 from rsegen.driving.recording import RobotRun, record_drive
-from rsegen.driving.robot_runs import ROUTES, robot_runs
+from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import STOP, Motion, Route
 from rsegen.errors import ParameterError
 from rsegen.recipe.examples import EXAMPLES

@@ -97,8 +97,8 @@ from rsegen.spawning.commands import spawn as spawn
 from rsegen.spawning.spawning import RemoveResult as RemoveResult
 from rsegen.spawning.spawning import RespawnResult as RespawnResult
 from rsegen.spawning.spawning import SpawnResult as SpawnResult
+from rsegen.standing.outlines import Spot as Spot
 from rsegen.standing.resting import Poses as Poses
-from rsegen.standing.spot_judge import Spot as Spot
 from rsegen.standing.stable import StablePoses as StablePoses
 from rsegen.writing.journal import Verified as Verified
 from rsegen.writing.journal import verify as verify

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import errno
 import reprlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 REFUSED = frozenset(
@@ -263,6 +263,11 @@ def shown(value: object) -> str:
         return "an empty value"  # what stands after `boundary:` in a file is Python's None, and not the word none
     text = " ".join(_SHORT.repr(value).splitlines())
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def some_of(names: Sequence[str], most: int = 12) -> str:
+    """Return names with commas between them, the first ones of many: an arm has more than a dozen joints."""
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
 def printable(text: str) -> str:

@@ -21,8 +21,8 @@ from rsegen.driving.filming import FRAME, PICTURE, VIDEO
 from rsegen.driving.world_file import camera_model
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.geometry.poses import rotation
 from rsegen.pictures.camera import south_west_of
-from rsegen.robots.links import rotation
 from tests.simulators.standins import PROGRAMS, put
 from tests.support.complaints import the_line
 

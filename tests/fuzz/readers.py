@@ -34,7 +34,7 @@ def _read_robot(name: str) -> None:
     robot = from_file(name)
     robot.model("r", "classic")
     _ = list(robot.notes("sim")), list(robot.spawn_notes("classic")), robot.file("r", "sim")
-    robot.command("r", 0.1, 0.2, robot.backend or "classic")
+    robot.command("r", 0.1, 0.2, "classic")
 
 
 def _read_plan(name: str) -> None:

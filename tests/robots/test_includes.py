@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -71,6 +72,19 @@ MERGED = JOINT.format("ljoint", "lwheel") + JOINT.format("rjoint", "rwheel")
 @pytest.mark.parametrize("uri", ["model://tyre", "model:///tyre", "tyre", "file://../tyre", "../tyre/wheel_1.sdf"])
 def test_a_robot_of_included_wheels_is_the_one_in_one_file(tmp_path: Path, uri: str) -> None:
     same_as_whole(tmp_path, written(tmp_path / "a", nested(uri), tyre=WHEEL.format("")))
+
+
+def test_a_model_is_found_whatever_its_config_is(tmp_path: Path) -> None:
+    """A number of a thousand digits is no version, and a pipe to which nobody writes has none."""
+    file = written(tmp_path / "a", nested("model://tyre"), tyre=WHEEL.format(""))
+    (config,) = tmp_path.rglob("tyre/model.config")
+    config.write_text(f"<model><sdf version='1.{'9' * 5000}'>other.sdf</sdf></model>")
+    (config.parent / "wheel_1.sdf").rename(config.parent / "model.sdf")
+    same_as_whole(tmp_path, file)
+    known = from_file(file)
+    config.unlink()
+    os.mkfifo(config)
+    assert from_file(file) == known
 
 
 def test_merged_wheels_are_links_of_the_robot(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import trimesh
 import rsegen
 from rsegen.errors import FileError
 from rsegen.geometry.mesh_files import Triangles
-from rsegen.robots import body, meshes, sdf_shapes
+from rsegen.robots import body, meshes, sdf_file, sdf_shapes
 from rsegen.robots.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
 from rsegen.robots.sdf_file import from_file
 from rsegen.standing.ground import PaddedGround
@@ -237,9 +237,9 @@ def test_a_robot_of_many_faces_rests_where_one_of_all_its_faces_does(
     shape = '<collision name="c"><geometry><mesh><uri>hull.stl</uri></mesh></geometry></collision>'
     path = tmp_path / "hull.sdf"
     path.write_text(f'<sdf version="1.9"><model name="hull"><link name="l">{shape}</link></model></sdf>')
-    few = body.body_of_file.__wrapped__(from_file(path))
+    few = sdf_file._body_of.__wrapped__(from_file(path))
     monkeypatch.setattr(meshes, "MANY_FACES", len(hull.faces))
-    exact = body.body_of_file.__wrapped__(from_file(path))
+    exact = sdf_file._body_of.__wrapped__(from_file(path))
     assert len(few.surface) < len(exact.surface) / 2
     field = rsegen.build(rsegen.Recipe(seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)]))
     rng = np.random.default_rng(5)

@@ -480,7 +480,7 @@ def test_a_large_mesh_is_refused_before_mujoco_reads_it(tmp_path: Path, monkeypa
     file = touching_mesh(tmp_path)
     monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
     monkeypatch.setattr("rsegen.robots.mjcf_compile._compiled_without_hulls", lambda spec: pytest.fail("was compiled"))
-    monkeypatch.setattr("rsegen.robots.mjcf_compile._MOST_STL_FACES", 100)
+    monkeypatch.setattr("rsegen.robots.mjcf_compile.MANY_FACES", 100)
     with pytest.raises(FileError, match=r"hull\.stl: 1,280 faces; .* up to 100; simplify it, or write it as OBJ"):
         from_file(file)
     trimesh.load_mesh(tmp_path / "hull.stl").export(tmp_path / "hull.obj")

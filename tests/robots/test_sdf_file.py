@@ -26,7 +26,7 @@ def written(folder: Path, text: str) -> Path:
 @pytest.mark.parametrize("simulator", ["classic", "sim", "fortress"])
 def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: str) -> None:
     found = from_file(written(tmp_path, ROBOTS[kind].file("mine", simulator)))
-    assert (found.kind, found.backend) == ("mine", simulator)
+    assert found.kind == "mine"
     assert found.command("mine", 0, 0, simulator) == ROBOTS[kind].command("mine", 0, 0, simulator)
     for other in BACKENDS:
         assert found.command("mine", 0, 0, other) == ROBOTS[kind].command("mine", 0, 0, other)
@@ -34,7 +34,7 @@ def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: st
 
 def test_a_robot_without_a_known_drive_is_read_and_not_commanded(tmp_path: Path) -> None:
     found = from_file(written(tmp_path, MODEL.format("")))
-    assert (found.kind, found.backend, found.topic) == ("mine", None, None)
+    assert (found.kind, found.read_drive) == ("mine", None)
     with pytest.raises(ParameterError, match="mine: no wheels or tracks: "):
         found.command("mine", 1, 0)
 

@@ -11,6 +11,7 @@ import trimesh
 
 from rsegen.robots import visuals as module
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.links import DARK
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.visuals import visuals
@@ -95,7 +96,7 @@ def test_visuals_of_a_file_have_their_colours_and_wheels_without_one_are_dark(tm
     visual = f"<visual name='v'><geometry><sphere><radius>0.1</radius></sphere></geometry>{colour}</visual>"
     shapes = visuals(robot_of(cart(tmp_path, visual)))
     assert [shape.colour for shape in shapes["base"]] == [(0.1, 0.7, 0.2)]
-    assert {shape.colour for shape in shapes["left"] + shapes["right"]} == {module._DRIVEN}
+    assert {shape.colour for shape in shapes["left"] + shapes["right"]} == {DARK}
 
 
 def test_a_mesh_is_drawn_as_it_is(tmp_path: Path) -> None:

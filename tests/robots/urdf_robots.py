@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.robots.links import rotation
+from rsegen.geometry.poses import rotation
 from tests.robots.two_wheels import ROS_1
 
 _MASS = '<mass value="{}"/>'

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 import yaml
 
+from rsegen.geometry.poses import rotation
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.links import SdfPose, rotation
+from rsegen.robots.links import SdfPose
 from rsegen.ros2.robots import ROOT, ros_files
 from rsegen.standing.outlines import Outline
 from tests.support.missing import missing

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.geometry.poses import rotation
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.links import ALONG_Y, rotation
+from rsegen.robots.links import ALONG_Y
 from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sampled_ball, sampled_cylinder
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.settling import Settled, outer_radius, settle

@@ -16,11 +16,12 @@ from PIL import Image
 
 from rsegen import preview
 from rsegen.cli.edge import main
-from rsegen.field.stepfield import StepField
+from rsegen.field.stepfield import Array, StepField
 from rsegen.pictures.preview import _ELEVATION, _TOWARD, _project
 from rsegen.robots.base import ROBOTS
-from rsegen.standing.drawing import _DRIVEN, _UNDRIVEN, RobotDrawing, draw_robot, silhouettes
-from rsegen.standing.resting import resting_poses
+from rsegen.standing.body import Body
+from rsegen.standing.drawing import _DRIVEN, _UNDRIVEN, RobotDrawing, draw_robot
+from rsegen.standing.resting import Poses, resting_poses
 from tests.standing.stands import field_of
 
 BURGER = ROBOTS["burger"].body
@@ -50,13 +51,14 @@ def test_a_robot_is_behind_what_is_in_front_of_it() -> None:
     assert max(share["south"], share["east"]) < 0.5 * behind
 
 
+def outlines_of(body: Body, rests: Poses) -> list[tuple[Array, str]]:
+    return list(RobotDrawing(body=body, rests=rests, stable=1).silhouettes(_project, _TOWARD))
+
+
 @pytest.mark.parametrize("kind", sorted(ROBOTS))
 def test_the_outlines_are_those_of_the_robot_as_seen(kind: str) -> None:
     body, level = ROBOTS[kind].body, np.zeros((20, 20), int)
-    low, high = (
-        list(silhouettes(body, resting_poses(field_of(level + height, 0.1), body, 0, 0, 0), _project, _TOWARD))
-        for height in (0, 2)
-    )
+    low, high = (outlines_of(body, resting_poses(field_of(level + height, 0.1), body, 0, 0, 0)) for height in (0, 2))
     assert len(low) == len(high) == len(body.parts)
     assert {colour for _, colour in low} == {_DRIVEN, _UNDRIVEN}
     for (below, _), (above, _) in zip(low, high, strict=True):
@@ -69,7 +71,7 @@ def test_the_outlines_are_those_of_the_robot_as_seen(kind: str) -> None:
 def test_the_nearest_part_is_drawn_last() -> None:
     """Of a robot that looks east the wheels on its right are nearer to the viewer, and lower in the picture."""
     body = ROBOTS["jackal"].body
-    drawn = silhouettes(body, resting_poses(walled("north"), body, 0, -0.1, 0), _project, _TOWARD)
+    drawn = outlines_of(body, resting_poses(walled("north"), body, 0, -0.1, 0))
     heights = [float(outline[:, 1].mean()) for outline, colour in drawn if colour == _DRIVEN]
     assert len(heights) == 4
     assert max(heights[2:]) < min(heights[:2])

@@ -18,10 +18,9 @@ from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes
-from rsegen.standing.outlines import Bounds, Outline, apart, fits
+from rsegen.standing.outlines import Outline, Spot, apart, fits
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.settling import outer_radius
-from rsegen.standing.spot_judge import Spot
 from rsegen.standing.spots import MOST_TILT, find_spots
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
@@ -157,8 +156,8 @@ def test_too_large_or_too_many_values_are_refused(field: StepField, count: int, 
 
 
 def test_a_robot_fits_only_where_all_of_it_is_on_the_map() -> None:
-    assert fits(Bounds.of(flat(3)), body("burger"))
-    assert not fits(Bounds.of(flat(5)), body("crawler"))
+    assert fits(flat(3), body("burger"))
+    assert not fits(flat(5), body("crawler"))
 
 
 @pytest.mark.parametrize(("length", "width"), [(100, 100), (100, 0.3), (2.9, 0.1), (1.5, 2.7)])

@@ -25,6 +25,7 @@ import numpy as np
 
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.planning import planned_runs, predictor_for, required_simulator
+from rsegen.driving.prediction import DRIVE_SECONDS
 from rsegen.driving.recording import DriveRecording, RobotRun, record_batch, record_embedded
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import AlongWay, Straight
@@ -40,9 +41,6 @@ from rsegen.simulators.batch import BatchSimulator
 from rsegen.writing.execute import Execution, execute
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import write_folder
-
-_SECONDS = 0.5
-"""CPU seconds that a drive takes, about; so workers get few at once, and their bar moves."""
 
 _Z = 1.959963984540054
 """Standard deviations on either side of the mean that hold 95 % of a normal distribution."""
@@ -220,7 +218,7 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     if plan.batch:
         batches = _batches(plan, plan.batch, indices, execution)
     else:
-        batches = execute(partial(_drives, plan), indices, _SECONDS, execution)
+        batches = execute(partial(_drives, plan), indices, DRIVE_SECONDS, execution)
     drives: list[ManyDrive] = []
     try:
         for batch in batches:

@@ -44,10 +44,13 @@ Turn = Annotated[
     Shell(metavar="W", default="from its plug-in or controller, else 0.5"),
 ]
 
+ROUTES = ("straight", "random", "way")
+"""The names of routes."""
+
 RouteName = Annotated[
     str,
     Choice(
-        ("straight", "random", "way"),
+        ROUTES,
         help="straight across, at random over the map, or across along a planned way",
     ),
 ]

@@ -31,7 +31,7 @@ import numpy as np
 from rsegen.driving.drive_metrics import SLOW, TIPPED, Course, Incident, drive_metrics
 from rsegen.driving.recording import PERIOD, RobotRun, drive_in_steps, trajectories
 from rsegen.driving.robot_runs import finish_x
-from rsegen.driving.routes import Motion, PlannedWay, Route, wrapped
+from rsegen.driving.routes import Motion, PlannedWay, Route
 from rsegen.driving.spread import FIRST, MOST, spread_run
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
@@ -40,7 +40,7 @@ from rsegen.params.watch import report_share
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator
-from rsegen.simulators.poses import Pose
+from rsegen.simulators.poses import Pose, wrapped
 from rsegen.writing.execute import Execution, execute
 
 PRIOR = 0.25
@@ -57,7 +57,7 @@ are held come on by a millimetre; small wheels creep over edges by a centimetre 
 _TOGETHER = 7
 """Drives that are done together: half of those of a spread beyond the first ones."""
 
-_SECONDS = 0.5
+DRIVE_SECONDS = 0.5
 """CPU seconds that a drive takes, about."""
 
 _BAR = "drives"
@@ -243,7 +243,7 @@ class Predictor:
         while found.next_drive < self.drives and found.failed < failures and not is_enough:
             rest = range(found.next_drive, min(found.next_drive + together, self.drives))
             outcomes = list(found.outcomes)
-            for batch in execute(work, rest, _SECONDS, Execution(workers=self.workers)):
+            for batch in execute(work, rest, DRIVE_SECONDS, Execution(workers=self.workers)):
                 outcomes += batch
                 report_share(_BAR, len(outcomes) / self.drives)
             found = self._prediction(outcomes, run, rest.stop)

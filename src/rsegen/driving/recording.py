@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.driving.drive_metrics import COLUMNS, Trajectory
+from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.filming import FilmedWorld, picture_of_end
-from rsegen.driving.routes import STOP, PlannedWay, Route, wrapped
+from rsegen.driving.routes import STOP, PlannedWay, Route
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
@@ -32,9 +32,8 @@ from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.batch import BatchWorlds
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
-from rsegen.simulators.poses import Contact, Pose, Record, SteppedWorld
+from rsegen.simulators.poses import Contact, Pose, Record, SteppedWorld, wrapped
 from rsegen.simulators.server import attempted, running_server
-from rsegen.standing.spot_judge import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
 """Simulated seconds, and all contacts at that time, sample by sample."""
@@ -90,11 +89,10 @@ _SAME = 1e-4
 class RobotRun(PlacedRobot):
     """A robot with its name in the world, its start pose, and a function that makes its route anew for each attempt.
 
-    spot: the place on the map at which it starts, if it does; way: the one that its route follows
+    way: the one that its route follows
     """
 
     route: Callable[[], Route]
-    spot: Spot | None = None
     way: PlannedWay | None = None
 
 
@@ -197,7 +195,7 @@ def _motions(driving: dict[int, Route], poses: Array) -> Array:
     """Return v and w of robots at their poses, (worlds, 2); those at their goals leave the driving, and stay."""
     motions = np.zeros((len(poses), 2))
     for world, route in list(driving.items()):
-        at = Pose(**dict(zip(COLUMNS[1:], poses[world].tolist(), strict=True)))
+        at = Pose.of(poses[world].tolist())
         if route.is_done(at):
             del driving[world]
         else:

@@ -13,6 +13,7 @@ from math import ceil
 
 import numpy as np
 
+from rsegen.driving.parameters import ROUTES
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.errors import ParameterError, UnknownName
@@ -20,14 +21,11 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.poses import Pose, adjacent_pose
-from rsegen.standing.outlines import Bounds, Outline, fits
-from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import GAP, spot_generator, spots_on_map
+from rsegen.standing.outlines import Outline, Spot, fits
+from rsegen.standing.spots import GAP, find_spots, spot_generator
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""
-
-ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
 
 def robot_runs(  # noqa: PLR0913  # the last four by name
@@ -57,14 +55,13 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
         straight = partial(Straight, speed=robot.driving_speed, turn=robot.turn, goal=goal)
         return _named(robot, starts, [partial(straight, line=at.y) for at in starts])
     places: Sequence[Spot | None] = [None] * count
-    if fits(Bounds.of(field), body):  # a command knows `robots`, not `count`
+    if fits(field, body):  # a command knows `robots`, not `count`
         try:
-            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
+            places = find_spots(field, body, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
             raise type(error)("robots" if error.where == "count" else error.where, error.problem) from None
     starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
-    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
-    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
+    return _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
 
 
 def runs_along(field: StepField, robot: DrivableRobot, way: PlannedWay, count: int = 1) -> Sequence[RobotRun]:

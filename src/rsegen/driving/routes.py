@@ -15,13 +15,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from math import atan2, cos, hypot, inf, pi, radians, sin
-from typing import ClassVar, NamedTuple, TypeVar
+from math import atan2, cos, hypot, inf, radians, sin
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, StepField
-from rsegen.simulators.poses import Pose
+from rsegen.field.stepfield import StepField
+from rsegen.simulators.poses import Pose, wrapped
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import entry_distance
 from rsegen.standing.planner import best_way
@@ -159,14 +159,6 @@ class Wandering(Route):
             away = wrapped(atan2(-at.y, -at.x) - at.yaw)
             return Motion(v / 2, _clipped(away / self.period, self.turn))
         return Motion(v, w)
-
-
-_Angle = TypeVar("_Angle", float, Array)
-
-
-def wrapped(angle: _Angle) -> _Angle:
-    """Return the angle, or angles, between -pi and pi."""
-    return (angle + pi) % (2 * pi) - pi
 
 
 def _clipped(value: float, most: float) -> float:

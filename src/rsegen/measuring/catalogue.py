@@ -112,9 +112,7 @@ def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[st
 
 Measure: TypeAlias = Callable[[StepField], float]
 
-RESERVED = frozenset(
-    {"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening", "reach", "predictions"}
-)
+RESERVED = frozenset({"map", "seed", "predictions", *(family.name for family in fields(Metrics))})
 """Columns of every row of `rsegen metrics`, so no metric of a plug-in has such a name."""
 
 

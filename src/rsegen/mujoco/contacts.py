@@ -30,6 +30,7 @@ from rsegen.field.stepfield import Array
 from rsegen.mujoco.friction import corner_ellipse
 from rsegen.mujoco.robot_model import RobotModel, Shape, weights
 from rsegen.robots.drives import Tracks
+from rsegen.robots.links import Vector
 
 SIDE = 0.3
 """Sine of the angle between a contact's normal and an axis from which on the contact is turned: on the side of a belt
@@ -37,8 +38,6 @@ there is no along."""
 
 LEAST_LEFT = 0.01
 """The share of its friction that a belt of Gazebo Classic keeps at least: MuJoCo takes none of 0."""
-
-Vector = tuple[float, float, float]
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

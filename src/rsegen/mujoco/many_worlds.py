@@ -46,13 +46,11 @@ _DAMPING = 2 / (MOTOR_SOLIMP[1] * MOTOR_SOLREF[0])
 class ManyWorlds:
     """Worlds that begin as one of `MujocoWorld` does, which has a single robot; ParameterError if it has more.
 
-    worlds: how many; device: of Warp, by default its own choice; contacts, rows: room in each world
+    worlds: how many; device: of Warp, by default its own choice
     model, data: of mujoco_warp; `data.qpos` is (worlds, numbers)
     """
 
-    def __init__(
-        self, world: MujocoWorld, worlds: int, *, device: Any = None, contacts: int = _CONTACTS, rows: int = _ROWS
-    ) -> None:
+    def __init__(self, world: MujocoWorld, worlds: int, *, device: Any = None) -> None:
         if len(world.robots) != 1:
             raise ParameterError("world", f"{len(world.robots)} robots in it; use a world with one")
         robot, compiled = world.robots[0], world.model
@@ -60,7 +58,7 @@ class ManyWorlds:
         with wp.ScopedDevice(device):
             self.model: Any = mjw.put_model(compiled)
             self.data: Any = mjw.put_data(
-                compiled, world.data, nworld=worlds, nconmax=contacts, nccdmax=contacts // 2, njmax=rows
+                compiled, world.data, nworld=worlds, nconmax=_CONTACTS, nccdmax=_CONTACTS // 2, njmax=_ROWS
             )
             self.model.opt.ccd_tolerance.fill_(_PRECISION)
             self.model.opt.ccd_iterations = _ITERATIONS

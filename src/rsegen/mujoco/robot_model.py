@@ -24,16 +24,24 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import pose_matrix
 from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
-from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING, TORSIONAL
+from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
-from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import collision_mesh, simplified_to
 from rsegen.robots.mimics import mimics
 from rsegen.robots.motors import is_damped_at_the_end, motor
 from rsegen.robots.parameters import MOTORS
-from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, inertia_tensor, radius_and_length
+from rsegen.robots.sdf_shapes import (
+    ROUND,
+    ModelFrames,
+    file_and_scale,
+    floats,
+    geometries,
+    inertia_tensor,
+    radius_and_length,
+)
 from rsegen.simulators.embedded import PlacedRobot
 
 _ENDLESS = 1e6
@@ -269,7 +277,7 @@ class _Builder:
         )
 
     def _add_shapes(self, body: Element, link: str, pose: Array) -> None:
-        own = [(collision, geometry) for name, collision, geometry in self._frames.collisions() if name == link]
+        own = list(geometries(self._links[link], "collision"))
         side = self._belt_side(link)
         for collision, geometry in own:
             placed = np.linalg.inv(pose) @ self._frames.shape(link, collision)
@@ -484,4 +492,4 @@ def servo_elements(model: RobotModel) -> Iterator[Element]:
 def weights(model: Any, robots: Sequence[RobotModel]) -> list[float]:
     """Return the weight of each robot, N."""
     masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
-    return [GRAVITY * mass for mass in masses]
+    return [-float(model.opt.gravity[2]) * mass for mass in masses]

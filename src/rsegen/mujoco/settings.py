@@ -3,9 +3,6 @@
 STEP = 0.001
 """Seconds of a step, as in Gazebo Classic."""
 
-GRAVITY = 9.81
-"""Acceleration, m/s^2, MuJoCo's default."""
-
 OPTION = {
     "timestep": f"{STEP}",
     "integrator": "implicitfast",

@@ -10,7 +10,6 @@ second of CPU. What breaks it: a ground with less friction than the flat one, on
 from __future__ import annotations
 
 from functools import lru_cache
-from math import pi
 
 from rsegen.errors import SimulatorFailed
 from rsegen.mujoco.settings import STEP
@@ -19,7 +18,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import compose
 from rsegen.simulators.embedded import PlacedRobot
-from rsegen.simulators.poses import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose, wrapped
 
 ROBOT = "robot"
 """The name of a robot that is alone on the ground."""
@@ -78,6 +77,6 @@ def turned_within(world: MujocoWorld, seconds: float) -> float:
     for _ in range(round(seconds / _LOOK)):
         world.step(round(_LOOK / STEP))
         now = world.poses()[ROBOT].yaw
-        turned += (now - before + pi) % (2 * pi) - pi
+        turned += wrapped(now - before)
         before = now
     return turned

@@ -13,7 +13,7 @@ round more than its ends, and steps in which a robot sinks in (`SINKS`), which e
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import asin, atan2, cos, sin
+from math import cos, sin
 from typing import Any, ClassVar
 
 import mujoco
@@ -21,6 +21,7 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import pose_matrix
 from rsegen.mujoco.contacts import Belts, Shapes, slide
 from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, NamedBoxes, map_model
@@ -32,7 +33,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, EmbeddedWorld, LinkPoses, PlacedRobot
-from rsegen.simulators.poses import Contact, Pose, Record
+from rsegen.simulators.poses import Contact, Pose, Record, angles_of
 
 SINKS = 0.01
 """Depth, metres, of a contact from which on a drive has failed: after a fall of 0.4 m a robot sinks in by 1 mm."""
@@ -116,7 +117,7 @@ class MujocoWorld(EmbeddedWorld):
 
     def poses(self) -> Mapping[str, Pose]:
         """Return the pose of every robot's origin, by its name."""
-        return {name: Pose(**dict(zip(_POSE, row, strict=True))) for name, row in self._now().items()}
+        return {name: Pose.of(row) for name, row in self._now().items()}
 
     def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
         """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
@@ -173,7 +174,11 @@ class MujocoWorld(EmbeddedWorld):
         data.qpos[:] = self.data.qpos
         mujoco.mj_kinematics(self.model, data)
         return {
-            robot.name: {link: _matrix(data.body(f"{robot.name}/{link}")) for link in robot.links}
+            robot.name: {
+                link: pose_matrix(body.xpos, body.xmat.reshape(3, 3))
+                for link in robot.links
+                for body in [data.body(f"{robot.name}/{link}")]
+            }
             for robot in self.robots
         }
 
@@ -260,17 +265,8 @@ class MujocoWorld(EmbeddedWorld):
             raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
 
 
-def _matrix(body: Any) -> Array:
-    """Return the pose of a body, (4, 4)."""
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = body.xmat.reshape(3, 3), body.xpos
-    return pose
-
-
 _NEVER = 1e12
 """Seconds after which an infinite period is over."""
-
-_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def free_joint_state(pose: Pose) -> Array:
@@ -282,10 +278,8 @@ def free_joint_state(pose: Pose) -> Array:
 
 def pose_numbers(state: Sequence[float]) -> list[float]:
     """Return x, y, z, roll, pitch and yaw of the state of a free joint, the inverse of `free_joint_state`."""
-    x, y, z, a, b, c, d = state
-    pitch = asin(max(-1.0, min(1.0, 2 * (a * c - d * b))))
-    roll = atan2(2 * (a * b + c * d), 1 - 2 * (b * b + c * c))
-    return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
+    x, y, z, *turn = state
+    return [x, y, z, *angles_of(*turn)]
 
 
 def _make_constraints(model: Any, data: Any, shapes: Shapes) -> None:

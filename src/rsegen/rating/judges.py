@@ -22,6 +22,7 @@ import numpy as np
 from rsegen.driving.commands import drive
 from rsegen.driving.many import ManyPlan, drive_over
 from rsegen.driving.planning import required_simulator
+from rsegen.driving.prediction import DRIVE_SECONDS
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import Straight
 from rsegen.errors import ParameterError, SimulatorFailed, shown
@@ -181,9 +182,6 @@ def trials(judge: Judge, axis: Axis, recipe: Recipe, several: Sequence[Asked]) -
     return [judge.trial(axis.recipe_at(recipe, asked.level), asked) for asked in several]
 
 
-BY = ("mujoco", "prediction", "classic", "sim")
-"""The judges of a robot by their names."""
-
 _TIMES = 3
 """A drive takes at most as many times as long as on level ground: hardly any that crossed took more than twice."""
 
@@ -198,7 +196,7 @@ def judge_of(by: str, robot: DrivableRobot, motors: str | None, duration: float 
     """Return a judge of a robot by its name; a NoSimulator if that is not installed."""
     if by == "mujoco":
         title = f"{required_simulator('ratings need')}, motors as {motors or MOTORS[0]}"
-        return InMujoco(name=by, title=title, cost=0.5, robot=robot, duration=duration, motors=motors)
+        return InMujoco(name=by, title=title, cost=DRIVE_SECONDS, robot=robot, duration=duration, motors=motors)
     if by == "prediction":
         return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)
     here = choose_installation("both", by)

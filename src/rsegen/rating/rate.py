@@ -22,7 +22,7 @@ from rsegen.obstacles.random import NormalRandom
 from rsegen.params.plugins import Source
 from rsegen.params.sorts import Json
 from rsegen.rating.axes import AXES, refuse_unusable
-from rsegen.rating.judges import BY, Crosses, Judge, judge_by, judge_of, usual_duration
+from rsegen.rating.judges import Crosses, Judge, judge_by, judge_of, usual_duration
 from rsegen.rating.rating import FILES, HOLDS, Curve, Rating
 from rsegen.rating.reliability import ReliabilityTest
 from rsegen.rating.run import Progress, RatingPlan, entry, make_curve, opened, read_entries
@@ -88,7 +88,7 @@ class Rated:
         for name, value in given.items():
             if value is not None:
                 raise ParameterError(name, "is for a robot, not for a function that says whether it gets across")
-        if tuple(names) != BY[:1]:
+        if tuple(names) != ("mujoco",):
             raise ParameterError("by", "is for a robot; a function judges by itself")
 
     @property

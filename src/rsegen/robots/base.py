@@ -6,22 +6,35 @@ commands follow from that value.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import ClassVar
+
+import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.crossing import SIDE
+from rsegen.field.stepfield import Array
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.geometry.poses import turn_about
 from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter, parameters
 from rsegen.recipe.recipe import Run
-from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
-from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.robots.links import GROUND_FRICTION, ORIGIN, Box, Cylinder, Joint, Lidar, Link, SdfPose, Vector, posed
 from rsegen.robots.simulator_shapes import with_capsules
-from rsegen.standing.body import Body
+from rsegen.standing.body import (
+    Body,
+    CollisionPart,
+    Shape,
+    body_of_shapes,
+    sample_distance,
+    sampled_ball,
+    sampled_box,
+    sampled_cylinder,
+)
 from rsegen.standing.kinds import RobotOnField
 
 
@@ -69,7 +82,7 @@ class Robot(RobotOnField):
     @property
     def body(self) -> Body:
         """The robot from below, with its servos at rest."""
-        return body_of_links(self)
+        return _body_of(self)
 
     @property
     def mass(self) -> float:
@@ -126,6 +139,50 @@ class Robot(RobotOnField):
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
         return servos[joint].command(name, angle, _checked_simulator(simulator))
+
+
+@lru_cache(maxsize=16)
+def _body_of(robot: Robot) -> Body:
+    """Return the body of a robot of links; ParameterError if it has no collision shapes.
+
+    Wheels are what hangs on the joints of its drive, tracks the links that it names.
+    """
+    distance, joints = sample_distance(robot.size[0]), {joint.name: joint for joint in robot.joints}
+    poses = {link.name: posed(link.pose) for link in robot.links}
+    for servo in robot.servos:  # which holds what hangs on its joint at an angle
+        joint = joints[servo.joint]
+        poses[joint.child][:3, :3] @= turn_about(joint.axis or (0, 0, 1), servo.rest)
+    driven = robot.drive.links(lambda name: joints[name].child)
+    links = [(link, poses[link.name]) for link in robot.links]
+    centres = [pose[:3, :3] @ np.array(link.centre[:3]) + pose[:3, 3] for link, pose in links]
+    return body_of_shapes(
+        _shapes(links, driven, distance),
+        mass=robot.mass,
+        centre=np.average(centres, axis=0, weights=[link.mass for link in robot.links]),
+        speed=robot.driving_speed,
+        distance=distance,
+        where=robot.kind,
+    )
+
+
+def _shapes(links: Iterable[tuple[Link, Array]], driven: set[str], distance: float) -> Iterator[Shape]:
+    """Yield the collision shapes of links at their poses, (4, 4)."""
+    for link, pose in links:
+        for part in link.parts:
+            if part.surface is None:
+                continue
+            mu, mu2 = (min(mu, GROUND_FRICTION) for mu in (part.surface.mu, part.surface.mu2))
+            if isinstance(part.solid, Box):
+                solid = sampled_box(part.solid.size, distance)
+            elif isinstance(part.solid, Cylinder):
+                solid = sampled_cylinder(part.solid.radius, part.solid.length, distance)
+            else:
+                solid = sampled_ball(part.solid.radius, distance)
+            yield (
+                CollisionPart(f"{link.name}::{part.name}", link.name in driven, mu, mu2),
+                solid,
+                pose @ posed(part.pose),
+            )
 
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"

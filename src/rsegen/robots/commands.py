@@ -26,7 +26,7 @@ from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.robots.parameters import RobotModel
 
 if TYPE_CHECKING:
-    from rsegen.standing.spot_judge import Spot
+    from rsegen.standing.outlines import Spot
     from rsegen.writing.target_worlds import Target
 
 
@@ -73,12 +73,12 @@ def spots(  # noqa: PLR0913  # each is a flag
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
     from rsegen.standing.body import body_of_size
-    from rsegen.standing.spots import spot_generator, spots_on_map
+    from rsegen.standing.spots import find_spots, spot_generator
     from rsegen.writing.target_worlds import world_of
 
     body = robot_of(robot).body_or_box if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)
-    return spots_on_map(world_of(target, map).scene().field, body, count, rng, most_tilt=radians(max_tilt))
+    return find_spots(world_of(target, map).scene().field, body, count, rng, most_tilt=radians(max_tilt))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

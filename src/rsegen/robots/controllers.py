@@ -76,7 +76,8 @@ class Controls(NamedTuple):
 
 def controls(robot: Element, where: Path) -> Controls:
     """Return what ROS drives of a robot of URDF in a file."""
-    rates = {joint.get("name", ""): limit for joint, limit in _velocities(robot)}
+    rates = dict(_commanded(robot, "velocity", "VelocityJointInterface"))
+    placed = frozenset(name for name, _ in _commanded(robot, "position", "PositionJointInterface"))
     joints = {joint.get("name", "") for joint in robot.findall("joint")}
     texts = ((element.text or "").strip() for element in robot.iter("parameters"))
     files = [Path(text) for text in texts if text.startswith("/")]
@@ -84,30 +85,22 @@ def controls(robot: Element, where: Path) -> Controls:
     controllers = tuple(_controllers(where, files, joints, remarks))
     is_older = robot.find("ros2_control") is None and robot.find("transmission") is not None
     rated_by = "its <transmission>" if is_older else "ros2_control"
-    return Controls(rates, controllers, tuple(remarks), rated_by, frozenset(_placed(robot)))
+    return Controls(rates, controllers, tuple(remarks), rated_by, placed)
 
 
-def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
-    """Yield the joints that take a velocity in <ros2_control> or <transmission>, with the limit that stands there."""
+def _commanded(robot: Element, quantity: str, of_transmission: str) -> Iterator[tuple[str, float | None]]:
+    """Yield the joints that take a quantity in <ros2_control> or <transmission>, with the most of it that stands there.
+
+    of_transmission: a part of the name of its hardware interface there
+    """
     for joint in robot.iterfind("ros2_control/joint"):
         for interface in joint.findall("command_interface"):
-            if interface.get("name", "").strip() == "velocity":
+            if interface.get("name", "").strip() == quantity:
                 params = {param.get("name"): param.text for param in interface.findall("param")}
-                yield joint, _positive(params.get("max"))
+                yield joint.get("name", ""), _positive(params.get("max"))
     for joint in robot.iterfind("transmission/joint"):
-        texts = [(element.text or "") for element in joint.iter("hardwareInterface")]
-        if any("VelocityJointInterface" in text for text in texts):
-            yield joint, None
-
-
-def _placed(robot: Element) -> Iterator[str]:
-    """Yield the joints that take a position in <ros2_control> or <transmission>."""
-    for joint in robot.iterfind("ros2_control/joint"):
-        if any(interface.get("name", "").strip() == "position" for interface in joint.findall("command_interface")):
-            yield joint.get("name", "")
-    for joint in robot.iterfind("transmission/joint"):
-        if any("PositionJointInterface" in (element.text or "") for element in joint.iter("hardwareInterface")):
-            yield joint.get("name", "")
+        if any(of_transmission in (element.text or "") for element in joint.iter("hardwareInterface")):
+            yield joint.get("name", ""), None
 
 
 def _yaml_files(package: Path) -> Iterator[Path]:

@@ -4,42 +4,33 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
+from rsegen.errors import some_of
 from rsegen.gazebo.sdf import numbers
+from rsegen.geometry.poses import angles, rotation
 from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
 from rsegen.robots.holding import hold, turn_to_the_left
-from rsegen.robots.links import angles, rotation
 from rsegen.robots.motors import is_damped_at_the_end
 from rsegen.robots.sdf_drives import (
     KNOWN,
     TRACK_CONTROLLER,
+    ReadDrive,
     controlled_links,
     plugin_key,
 )
 from rsegen.robots.sdf_elements import numbers_text, put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
-if TYPE_CHECKING:
-    from rsegen.robots.sdf_file import SdfRobot
-
-_MOST_NAMES = 12
-"""Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
-
-
-def some_of(names: Sequence[str]) -> str:
-    """Return names with commas between them, the first dozen of many."""
-    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
-
-
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
 
 
-def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
+def make_drivable(  # as `hold_and_turn`, and what a simulator needs
+    model: Element, where: str, read: ReadDrive | None, steering: Collection[str], *, name: str, backend: str
+) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
 
     If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration, and gets
@@ -47,13 +38,12 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
     a drive commands itself (`Tracks.belt_commands`). ROS's plug-ins are taken out where their library is not in a
     folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
-    read, drive = robot.read_drive, robot.drive if robot.read_drive else None
+    drive, own = (read.drive, read.plugin) if read else (None, "")
     if backend == "classic":
         if model.find("allow_auto_disable") is None:
             SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
         _free_wheels(model, drive)
-    own = read.plugin if read else ""
-    held = hold_and_turn(model, robot, follows=False)
+    held = hold_and_turn(model, where, read, steering, follows=False)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
@@ -71,7 +61,7 @@ def make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> d
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
     model.extend([*kept, *publisher])
-    _align_belts(model, robot.kind)
+    _align_belts(model, where)
     _respell(model, backend)
     return {
         HELD: some_of(held),
@@ -143,11 +133,15 @@ HELD = "held as its model has them, as nothing drives them"
 """The reason why joints are held in a drive."""
 
 
-def hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
-    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
-    read = robot.read_drive
-    held = hold(model, robot.drive if read else None, follows=follows, steering=robot.steering)
-    turn_to_the_left(model, robot.kind, read.turned if read else ())
+def hold_and_turn(
+    model: Element, where: str, read: ReadDrive | None, steering: Collection[str], *, follows: bool
+) -> tuple[str, ...]:
+    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left.
+
+    where: begins errors; steering, follows: as of `hold`
+    """
+    held = hold(model, read.drive if read else None, follows=follows, steering=steering)
+    turn_to_the_left(model, where, read.turned if read else ())
     return held
 
 

@@ -78,7 +78,7 @@ def _has_spring(joint: Element) -> bool:
 
 def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: Collection[str]) -> set[str]:
     """Return the joints of rockers that carry driven links and follow each other."""
-    above = {frames.child(name): name for name in frames.joints}
+    above = frames.holders()
     carrying: set[str] = set()
     waiting = [above[link] for link in driven if link in above]
     while waiting:

@@ -18,8 +18,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, shown
-from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles
+from rsegen.input_files import regular_content
+from rsegen.robots.sdf_elements import pose_text
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.uris import found_uri, resolve_uris
 
@@ -29,7 +29,10 @@ _MOST = 100
 NOT_INCLUDED = "put its folder next to that of the file, or into GZ_SIM_RESOURCE_PATH; rsegen fetches nothing itself"
 """Advice for a model that is not found."""
 
-_CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d+)["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
+_LARGEST_CONFIG = 2**16
+"""Bytes of model.config that are read; it has some hundreds."""
+
+_CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d{1,3})["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
 """A file in model.config, with the version of SDF that it has."""
 
 Read = Callable[[Path], Element]
@@ -99,10 +102,7 @@ def _sdf_file(path: Path | None) -> Path | None:
     """Return the SDF file of a model, that of the latest version if its folder has several; None for no model."""
     if path is None or path.is_file():
         return path
-    try:
-        config = (path / "model.config").read_text("utf-8", "replace")
-    except OSError:
-        config = ""
+    config = (regular_content(path / "model.config", _LARGEST_CONFIG) or b"").decode("utf-8", "replace")
     files = _CONFIGURED.findall(config)
     names = [name for _, name in sorted(files, key=lambda found: -int(found[0] or 0))]
     candidates = [path / name for name in (*names, "model.sdf")]
@@ -122,7 +122,7 @@ def _place(model: Element, include: Element, where: str) -> None:
             raise FileError(f"{where}: has no frame {shown(frame)} by which it is placed")
         outer = Element("model")
         outer.append(wanted)
-        moved = _text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
+        moved = pose_text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
         relative = wanted.get("relative_to")
         wanted = Element("pose", {} if relative is None else {"relative_to": relative})
         wanted.text = moved
@@ -143,7 +143,7 @@ def _merged(model: Element) -> list[Element]:
         is_of_model = element.tag in ("link", "model") or (element.tag == "frame" and not element.get("attached_to"))
         if other not in ("", "__model__") or not (is_of_model or other):
             continue
-        moved = _text(base @ frames.local(element))
+        moved = pose_text(base @ frames.local(element))
         if own is not None:
             element.remove(own)
         placed = Element("pose", {"relative_to": relative} if relative else {})
@@ -160,7 +160,3 @@ def _take_out_joints(model: Element, lost: list[str]) -> None:
         ends = ((joint.findtext(tag) or "").strip().partition("::")[0] for tag in ("parent", "child"))
         if not known.issuperset(ends):
             model.remove(joint)
-
-
-def _text(transform: Array) -> str:
-    return " ".join(f"{value + 0.0:.12g}" for value in (*transform[:3, 3], *angles(transform[:3, :3])))

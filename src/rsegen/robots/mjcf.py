@@ -26,20 +26,25 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from rsegen.errors import FileError, shown
+from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
+from rsegen.geometry.poses import angles, pose_matrix, rotation
 from rsegen.robots.controllers import Controls
-from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.meshes import INLINE
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
-from rsegen.robots.sdf_elements import Mass, append_inertial, numbers_text, pose_text, put, sum_of_masses
+from rsegen.robots.sdf_elements import (
+    LATEST_OF_CLASSIC,
+    Mass,
+    append_inertial,
+    numbers_text,
+    pose_text,
+    put,
+    sum_of_masses,
+)
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.urdf import Converted
 from rsegen.robots.wheel_joints import is_wheel
-
-_VERSION = "1.7"
-"""The version of SDF that is written: the latest that Gazebo Classic reads."""
 
 _BETWEEN = 1e-3
 """Share of a body's mass that a link between two of its joints has, as none may have no mass."""
@@ -71,26 +76,22 @@ class Motor(NamedTuple):
     torque: float | None
 
 
-class Robot(NamedTuple):
-    """The robot of a file as SDF, which of its joints have motors, and what is not as in the file, in sentences."""
+def of_mujoco(root: Element, where: str, wheels: Collection[str]) -> tuple[Converted, Controls]:
+    """Return the robot of a file whose XML is `root` as SDF, and which of its joints have motors.
 
-    converted: Converted
-    controls: Controls
-
-
-def of_mujoco(root: Element, where: str, wheels: Collection[str] = ()) -> Robot:
-    """Return the robot of a file whose XML is `root`; FileError if it has none. wheels: joints that the user names."""
+    FileError if it has none. wheels: joints that the user names
+    """
     source = compiled(root, where)
     reader = _Reader(source, where, wheels)
-    robot = reader.robot()
+    robot, controls = reader.robot()
     turn = reader.turn_of_axles()
-    if robot.controls.rates or not turn:
-        return robot
-    turned = _Reader(source, where, wheels, turn).robot()
-    if not (turned.controls.rates or wheels):
-        return robot
+    if controls.rates or not turn:
+        return robot, controls
+    turned, turned_controls = _Reader(source, where, wheels, turn).robot()
+    if not (turned_controls.rates or wheels):
+        return robot, controls
     remark = f"turned by {degrees(turn):.4g} degrees about z, as its axles were along another axis than y"
-    return Robot(turned.converted, turned.controls._replace(remarks=(*turned.controls.remarks, remark)))
+    return turned, turned_controls._replace(remarks=(*turned_controls.remarks, remark))
 
 
 class _Reader:
@@ -110,11 +111,11 @@ class _Reader:
             is_head = body == self._root or self._model.body_jntnum[body]
             self._heads[body] = body if is_head else self._heads[int(self._model.body_parentid[body])]
         self._joint_names = {joint: self._joint_name(joint) for joint in range(self._model.njnt)}
-        self._sdf = Element("sdf", version=_VERSION)
+        self._sdf = Element("sdf", version=LATEST_OF_CLASSIC)
         self._made = SubElement(self._sdf, "model", name=source.name)
 
-    def robot(self) -> Robot:
-        """Return the robot."""
+    def robot(self) -> tuple[Converted, Controls]:
+        """Return the robot, and which of its joints have motors; what is not as in its file is a remark of these."""
         model, remarks = self._model, list(self._left_out())
         masses = {head: self._mass(head) for head in dict.fromkeys(self._heads.values())}
         for head, mass in masses.items():
@@ -134,7 +135,7 @@ class _Reader:
             remarks.append(f"left out, as these visual meshes are not found: {', '.join(missing)}")
         if model.nflex:
             remarks.append("left out its flexible bodies")
-        return Robot(Converted(self._sdf, (), tuple(followers)), Controls(rates, (), tuple(remarks), "its actuators"))
+        return Converted(self._sdf, (), tuple(followers)), Controls(rates, (), tuple(remarks), "its actuators")
 
     # Which bodies.
 
@@ -154,8 +155,7 @@ class _Reader:
         """Yield sentences about what of the file is not in the robot."""
         root = self._root
         if others := [self._link(tree[0]) for tree in self._trees[1:]]:
-            some = ", ".join(others[:_MOST_NAMES]) + (", ..." if len(others) > _MOST_NAMES else "")
-            yield f"left out, as they are other bodies of the scene: {some}"
+            yield f"left out, as they are other bodies of the scene: {some_of(others, _MOST_NAMES)}"
         if not self._is_free(root):
             held = [self._joint_names[joint] for joint in self._all_joints(root)]
             by = f" on {', '.join(held)}" if held else ""

@@ -19,18 +19,15 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_files import Triangles, binary_faces
+from rsegen.geometry.poses import pose_matrix
 from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, text_of, xml_root
-from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import SUFFIXES, inline_uri, refuse_large
+from rsegen.robots.meshes import MANY_FACES, SUFFIXES, inline_uri, refuse_large
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""
 
 _MOST_FILES, _MOST_COPIES = 100, 10_000
 """Files that are included at most, and copies that <replicate> makes of its content; robots have some ten of both."""
-
-_MOST_STL_FACES = 200_000
-"""Faces of an STL file that MuJoCo reads at most."""
 
 _MUJOCO_READS = ".xml"
 """Ending of the files that MuJoCo reads; any other one is read for it, and given under a name with this ending."""
@@ -109,9 +106,9 @@ def _refuse_mesh(path: Path, content_type: str) -> None:
         faces = binary_faces(file)
     if faces is None:
         raise FileError(f"{path}: of STL files MuJoCo reads binary ones alone; write it as such a file, or as OBJ")
-    if faces > _MOST_STL_FACES:
+    if faces > MANY_FACES:
         raise FileError(
-            f"{path}: {faces:,} faces; of an STL file MuJoCo reads up to {_MOST_STL_FACES:,}; simplify it, or "
+            f"{path}: {faces:,} faces; of an STL file MuJoCo reads up to {MANY_FACES:,}; simplify it, or "
             "write it as OBJ"
         )
 

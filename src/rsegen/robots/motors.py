@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element
 
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
+from rsegen.standing.resting import GRAVITY
 
 
 def is_damped_at_the_end(joint: Element) -> bool:
@@ -98,7 +99,7 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
         inertial = element.find("inertial")
         turn = (place if inertial is None else place @ frames.local(inertial))[:3, :3]
         moments.append(float(axis @ turn @ inertia_tensor(link, element, frames) @ turn.T @ axis))
-    weight = 9.81 * sum(body.mass for body in inertials(frames).values())
+    weight = GRAVITY * sum(body.mass for body in inertials(frames).values())
     newtons = sum(moments) * speed / (drive.radius**2 * _STEP)
     if newtons >= _LIGHT * weight:
         return ""

@@ -12,13 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from math import ceil, degrees, isfinite
 from typing import Literal, TypedDict
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from rsegen.driving.routes import followed
 from rsegen.errors import FileError, ParameterError, UserError, line_of
 from rsegen.field.stepfield import Array, StepField
+from rsegen.geometry.poses import rotation
 from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metrics, nested
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
@@ -27,22 +28,24 @@ from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import Robot
-from rsegen.robots.links import Box, Cylinder, Sphere, posed, rotation
+from rsegen.robots.links import DARK, GREY, Box, Cylinder, Sphere, posed
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
+from rsegen.robots.sdf_shapes import ModelFrames, swept_box
+from rsegen.robots.visuals import colour_of
+from rsegen.scene.colours import Colour
 from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lattice import Lattice
+from rsegen.standing.outlines import Spot
 from rsegen.standing.planner import Planner
 from rsegen.standing.reach import reach as reached
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import centre_at, outer_radius, settle
-from rsegen.standing.spot_judge import Spot
-from rsegen.standing.spots import spot_generator, spots_on_map
+from rsegen.standing.spots import find_spots, spot_generator
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Way as LatticeWay
 
@@ -120,17 +123,13 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[DrawnPart]:
                 case Sphere(radius=radius):
                     shape, lengths = "sphere", [radius]
             pose = posed(link.pose) @ posed(part.pose)
-            yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
+            yield _part(shape, lengths, pose, part.colour, wheel=link.name in driven)
 
 
-def _part(shape: _Shape, size: list[float], pose: Array, colour: str, *, wheel: bool) -> DrawnPart:
+def _part(shape: _Shape, size: list[float], pose: Array, colour: Colour | None, *, wheel: bool) -> DrawnPart:
     """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
-    colour = colour or (_DRIVEN if wheel else _BODY)
-    return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
-
-
-_BODY, _DRIVEN = "#73757a", "#1f1f21"
-"""Colours of the parts of a robot of a file that have none."""
+    drawn = hex_colour(colour or (DARK if wheel else GREY))
+    return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": drawn, "wheel": wheel}
 
 
 def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
@@ -138,7 +137,7 @@ def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
 
     Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
     """
-    frames, body = ModelFrames(fromstring(robot.text), robot.kind), robot.body_or_box  # noqa: S314  # was found plain
+    frames, body = robot.frames(), robot.body_or_box
     driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
     parts: list[DrawnPart] = []
     for link, element in frames.elements.items():
@@ -157,8 +156,8 @@ def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
 
 _Shape = Literal["box", "cylinder", "sphere"]
 
-_Visual = tuple[_Shape, list[float], Array, str]
-"""A shape, its size, its pose in the model, and its colour, empty if it has none."""
+_Visual = tuple[_Shape, list[float], Array, Colour | None]
+"""A shape, its size, its pose in the model, and its colour, None if it has none."""
 
 
 def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
@@ -172,9 +171,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
     x, y, z = (2 * half).tolist()
     sizes: dict[_Shape, list[float]] = {"cylinder": [x / 2, z], "sphere": [x / 2]}
     shape: _Shape = next((kind for kind in sizes if kind == geometry[0].tag), "box")
-    rgb = (visual.findtext("material/diffuse") or visual.findtext("material/ambient") or "").split()[:3]
-    r, g, b = floats(" ".join(rgb), 3, frames.where) if rgb else (0.0, 0.0, 0.0)
-    return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
+    return shape, sizes.get(shape, [x, y, z]), pose, colour_of(visual, frames.where)
 
 
 def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
@@ -184,7 +181,7 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
             continue
         pose = np.eye(4)
         pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
-        yield _part("box", np.ptp(surface, axis=0).tolist(), pose, "", wheel=part.drives)
+        yield _part("box", np.ptp(surface, axis=0).tolist(), pose, None, wheel=part.drives)
 
 
 def _refuse_unplaced(**numbers: float) -> None:
@@ -356,7 +353,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
         area = reached(field, body, watch)
         spots: Sequence[Spot] = ()
         with suppress(ParameterError):  # there are none
-            spots = spots_on_map(field, body, 2, spot_generator(recipe.seed))
+            spots = find_spots(field, body, 2, spot_generator(recipe.seed))
     crossings = {"west to east": area.west_east, "south to north": area.south_north}
     across = [name for name, way in crossings.items() if way.crosses]
     nowhere = f"does not cross; largest area {area.coverage:.0%} of the map"

@@ -9,12 +9,11 @@ from dataclasses import asdict, dataclass, replace
 from itertools import zip_longest
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any
-from xml.etree.ElementTree import fromstring
 
 from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, some_of
 from rsegen.params.command import Shell, add_flags
 from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 
@@ -217,10 +216,10 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
     from rsegen.robots.motors import frictions, motor
-    from rsegen.robots.sdf_shapes import ModelFrames, inertials, links_by_default
+    from rsegen.robots.sdf_shapes import inertials, links_by_default
 
     # First what every model has, links and shapes; then the drive, or why it has none; last what that drives on.
-    frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
+    frames = robot.frames()
     masses = inertials(frames)
     bare = links_by_default(frames)
     origins = [f"the <inertial> of {_links(len(masses) - len(bare))}"] if len(masses) > len(bare) else []
@@ -273,7 +272,6 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     """Yield the figures of a robot on level ground: its front and balance, and what else touches the ground, or may."""
     import numpy as np
 
-    from rsegen.robots.drivable import some_of
     from rsegen.standing.stance import stance
 
     body = robot.body

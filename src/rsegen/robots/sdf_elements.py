@@ -9,7 +9,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles
+from rsegen.geometry.poses import angles
+
+LATEST_OF_CLASSIC = "1.7"
+"""The latest version of SDF that Gazebo Classic reads, in which robots of other formats are written."""
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

@@ -13,20 +13,21 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, shown, some_of
 from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import numbers
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
-from rsegen.robots.body import body_of_file
+from rsegen.robots.body import body_of_model
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, some_of, take_out
+from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
 from rsegen.robots.holding import hold
 from rsegen.robots.includes import NOT_INCLUDED, Includes
@@ -43,9 +44,9 @@ from rsegen.robots.sdf_drives import (
     named_belts,
     named_tracks,
     named_wheels,
-    plugin_key,
     plugin_problem,
 )
+from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
@@ -70,9 +71,6 @@ MAX_ROBOT_MIB = 4
 SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml", ".mjcf")
 """Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
 
-_LATEST_OF_CLASSIC = "1.7"
-"""The latest version of SDF that Gazebo Classic reads."""
-
 _FIRST_WITH_MIMIC = 11
 """The first version of SDF, 1.11, that has <mimic>, which Gazebo Sim then keeps to."""
 
@@ -90,20 +88,18 @@ _LARGEST_TURN = 3.0
 class SdfRobot(RobotOnField):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
-    backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
-    if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
-    be wheels; steered: those of wheels that are steered, if it has no drive; steering: the joints that steer them, also
-    if the user names others as its wheels; undriven: why its plug-in is not used, if it has no drive; size: of a box
-    around its origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres;
-    derived, assumed: which of size, speed and turn are from the model, and which from nowhere; remarks: sentences
-    about links that were left out, or whose inertia no body has, joints that do not follow others as they should,
-    and packages that are not found.
+    read_drive: its drive, None if it has neither wheels nor tracks that are known: then it cannot be driven, and
+    stands; joints: those that could be wheels; steered: those of wheels that are steered, if it has no drive; steering:
+    the joints that steer them, also if the user names others as its wheels; undriven: why its plug-in is not used, if
+    it has no drive; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above
+    the lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from
+    nowhere; remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow
+    others as they should, and packages that are not found.
     """
 
     kind: str
     text: str
     version: str = "1.6"
-    backend: str | None = None
     read_drive: ReadDrive | None = None
     joints: tuple[str, ...] = ()
     steered: tuple[str, ...] = ()
@@ -120,7 +116,7 @@ class SdfRobot(RobotOnField):
     @property
     def body(self) -> Body:
         """The robot from below, with its joints at 0; FileError for a shape that cannot be measured."""
-        return body_of_file(self)
+        return _body_of(self)
 
     @property
     def body_or_box(self) -> Body:
@@ -151,16 +147,20 @@ class SdfRobot(RobotOnField):
             )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
+    def frames(self) -> ModelFrames:
+        """Return the links, joints and frames of its model."""
+        return ModelFrames(self._model(), self.kind)
+
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
-        return hold_and_turn(self._model(), self, follows=True)
+        return self._hold(self._model())
 
     @property
     def followers(self) -> tuple[str, ...]:
         """The joints that follow another one in a drive, in a simulator that keeps to <mimic>."""
         held = self.held
-        return tuple(name for name in mimics(ModelFrames(self._model(), self.kind)) if name not in held)
+        return tuple(name for name in mimics(self.frames()) if name not in held)
 
     @property
     def light_wheels(self) -> str:
@@ -168,12 +168,7 @@ class SdfRobot(RobotOnField):
         drive = self.read_drive.drive if self.read_drive else None
         if not isinstance(drive, Wheels):
             return ""
-        return light_wheels(drive, ModelFrames(self._model(), self.kind), self.driving_speed)
-
-    @property
-    def topic(self) -> str | None:
-        """The topic of its drive with {name} for its name, None if no drive is known."""
-        return self.command("{name}", 0, 0, self.backend or "classic").topic if self.read_drive else None
+        return light_wheels(drive, self.frames(), self.driving_speed)
 
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
@@ -182,7 +177,7 @@ class SdfRobot(RobotOnField):
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
-        make_drivable(model, self, name, simulator)
+        self._make_drivable(model, name, simulator)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -191,15 +186,15 @@ class SdfRobot(RobotOnField):
         It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
         """
         model = self._placed(name, at)
-        hold_and_turn(model, self, follows=True)
+        self._hold(model)
         for tag in ("plugin", "sensor"):
             take_out(model, tag)
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
         """Return the text of an SDF file of it with its own plug-ins, ROS's too; what has no drive stands still."""
-        is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
-        version = _LATEST_OF_CLASSIC if is_newer else self.version
+        is_newer = simulator == "classic" and _minor(self.version) > _minor(LATEST_OF_CLASSIC)
+        version = LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         self._refuse_inline_meshes(model)
         if simulator == "classic":
@@ -225,9 +220,9 @@ class SdfRobot(RobotOnField):
         if simulator == "classic" and (light := self.light_wheels):
             yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
-            changes = make_drivable(self._model(), self, self.kind, simulator)
+            changes = self._make_drivable(self._model(), self.kind, simulator)
         else:
-            changes = {HELD: some_of(hold_and_turn(self._model(), self, follows=True))}
+            changes = {HELD: some_of(self.held)}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
@@ -243,6 +238,19 @@ class SdfRobot(RobotOnField):
             tuple(name for name in names if name not in values) for names in (self.derived, self.assumed)
         )
         return replace(self, derived=derived, assumed=assumed, **values)
+
+    @property
+    def _driven(self) -> ReadDrive | None:
+        """Its drive as it was read, with its maximum speed and turn rate."""
+        return self.read_drive._replace(drive=self.drive) if self.read_drive else None
+
+    def _hold(self, model: Element) -> tuple[str, ...]:
+        """Hold the joints of its model that nothing drives, where <mimic> is kept to, and return their names."""
+        return hold_and_turn(model, self.kind, self._driven, self.steering, follows=True)
+
+    def _make_drivable(self, model: Element, name: str, backend: str) -> dict[str, str]:
+        """Give its model a drive of a Gazebo; return what else was changed, and why."""
+        return make_drivable(model, self.kind, self._driven, self.steering, name=name, backend=backend)
 
     def _is_undriven(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
@@ -286,6 +294,14 @@ class SdfRobot(RobotOnField):
         pose.text = numbers((at[0], at[1], at[2] + self.lift, *at[3:]))
         model.insert(0, pose)
         return model
+
+
+@lru_cache(maxsize=16)
+def _body_of(robot: SdfRobot) -> Body:
+    """Return the body of a robot; of one whose drive is not known, whatever hangs on a joint that turns drives."""
+    frames, read = robot.frames(), robot.read_drive
+    driven = read.drive.links(frames.child) if read else set(map(frames.child, robot.joints))
+    return body_of_model(frames, driven, lift=robot.lift, length=robot.size[0], speed=robot.driving_speed)
 
 
 def is_robot_file(what: object) -> bool:
@@ -366,7 +382,6 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         kind=re.sub(r"\W|^(?=\d)", "_", model.get("name", ""), flags=re.ASCII),
         text=_outer(model),
         version=version,
-        backend=_backend(model, drive),
         read_drive=drive,
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in TURNING),
         steered=() if drive else tuple(steering),
@@ -438,16 +453,6 @@ def _size(shapes: Extents, where: str) -> Vector | None:
     for side in (x, y, z):
         refuse_outside(SIDE, side, f"{where}: the box around its collision shapes, {x:.4g} x {y:.4g} x {z:.4g} m")
     return None if shapes.unknown else (x, y, z)
-
-
-def _backend(model: Element, drive: ReadDrive | None) -> str | None:
-    """Return the backend that the plug-in of a drive is of; None for ROS's, and for wheels that the user named."""
-    if not drive or not drive.plugin or "_ros_" in drive.plugin:
-        return None
-    if drive.plugin.endswith("Plugin"):
-        return "classic"
-    files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
-    return "fortress" if any("ignition" in file for file in files if plugin_key(file) == drive.plugin) else "sim"
 
 
 def _derived(robot: SdfRobot) -> str:

@@ -21,7 +21,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
 
 _DEEPEST = 30
@@ -81,6 +81,10 @@ class ModelFrames:
         """Return the link that a joint hangs on."""
         return self._link(joint, "parent")
 
+    def holders(self) -> dict[str, str]:
+        """Return the joint on which each link hangs, by the links."""
+        return {self.child(name): name for name in self.joints}
+
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
 
@@ -113,10 +117,7 @@ class ModelFrames:
     def collisions(self) -> Iterator[tuple[str, Element, Element]]:
         """Yield the collision shapes that have an end, with the names of their links, and their geometries."""
         for link, element in self.links():
-            for collision in element.findall("collision"):
-                geometry = collision.find("geometry")
-                if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
-                    yield link, collision, geometry
+            yield from ((link, *shape) for shape in geometries(element, "collision"))
 
     def _placed(self, name: str, element: Element, depth: int = 0) -> Array:
         """Return the pose of an element in the model's frame, (4, 4); of a shape, `name` is its link's."""
@@ -163,6 +164,14 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
             yield f"{scope}{element.get('name', '')}", element
         if element.tag == "model":
             yield from named(element, f"{scope}{element.get('name', '')}::")
+
+
+def geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:
+    """Yield the collision shapes, or visuals, of a link that have an end, and their geometries."""
+    for shape in link.findall(tag):
+        geometry = shape.find("geometry")
+        if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
+            yield shape, geometry
 
 
 def hang_on_links(frames: ModelFrames) -> None:

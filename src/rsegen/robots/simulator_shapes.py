@@ -16,7 +16,7 @@ from copy import deepcopy
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
-from rsegen.robots.links import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.sdf_elements import numbers_text, pose_text, put
 from rsegen.robots.sdf_shapes import floats, matrix_of
 

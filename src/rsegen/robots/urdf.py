@@ -20,11 +20,12 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from rsegen.errors import FileError, shown
+from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.sdf_elements import (
+    LATEST_OF_CLASSIC,
     MOMENTS,
     NO_MASS,
     Mass,
@@ -37,9 +38,6 @@ from rsegen.robots.sdf_elements import (
     sum_of_masses,
 )
 from rsegen.robots.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
-
-_VERSION = "1.7"
-"""The version of SDF that is written: the latest that Gazebo Classic reads."""
 
 _WORLD = "world"
 """The root link of a robot that stands fixed in the world."""
@@ -170,7 +168,7 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
     _refuse_moments_of(masses, merged, where)
     left_out = _left_out(source, above, masses)
 
-    sdf = Element("sdf", version=_VERSION)
+    sdf = Element("sdf", version=LATEST_OF_CLASSIC)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
     for head, parts in merged.items():
         if head in left_out or (head == _WORLD and head not in above):
@@ -294,8 +292,7 @@ def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str,
         if head not in above:
             if not body.mass and head != _WORLD:
                 fixed = [shown(link) for link, its_head in source.heads.items() if its_head == head != link]
-                named = ", ".join(fixed[:_MOST_NAMED]) + (", ..." if len(fixed) > _MOST_NAMED else "")
-                nor = f", nor have those that are fixed to it: {named}" if fixed else ""
+                nor = f", nor have those that are fixed to it: {some_of(fixed, _MOST_NAMED)}" if fixed else ""
                 why = f"link {shown(head)} has no mass{nor}; a simulator needs {'an' if fixed else 'its'} <inertial>"
                 raise FileError(f"{source.where}: {why}")
         elif not body.mass or source.heads[above[head].parent] in left_out:

@@ -6,7 +6,7 @@ In a picture of a drive, a link that has no visuals, or one that cannot be read,
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Mapping
 from contextlib import suppress
 from typing import Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, fromstring
@@ -16,10 +16,11 @@ import numpy as np
 from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.pictures.camera import Triangles
+from rsegen.robots.links import DARK, GREY
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.meshes import read_mesh, simplified_to
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, radius_and_length
+from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, geometries, radius_and_length
 from rsegen.scene.colours import Colour
 
 _SIDES = 16
@@ -30,9 +31,6 @@ _RINGS = 7
 
 _FINEST = 200
 """Points along the diagonal of a mesh of many faces: in the picture of a robot some three pixels apart."""
-
-_BODY, _DRIVEN = (0.45, 0.46, 0.48), (0.12, 0.12, 0.13)
-"""Colours of shapes that have none: of links that do not drive, and of those that do."""
 
 
 class Visual(NamedTuple):
@@ -54,13 +52,13 @@ def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
     shapes: dict[str, list[Visual]] = {}
     known: Known = {}
     for link, element in frames.links():
-        default = _DRIVEN if link in driven else _BODY
+        default = DARK if link in driven else GREY
         shapes[link] = []
         for tag in ("visual", "collision"):
             with suppress(UserError, ImportError):  # such as a mesh that is not here
                 every = [
                     _shape(frames, link, shape, geometry, default, known)
-                    for shape, geometry in _geometries(element, tag)
+                    for shape, geometry in geometries(element, tag)
                 ]
                 shapes[link] = shapes[link] or every
     return shapes
@@ -92,8 +90,8 @@ def placed_shapes(
     shapes: list[Visual] = []
     not_drawn: dict[str, list[str]] = {}
     for link, element in frames.links():
-        pose, default = frames.transform(link), _DRIVEN if link in driven else _BODY
-        for shape, geometry in _geometries(element, tag):
+        pose, default = frames.transform(link), DARK if link in driven else GREY
+        for shape, geometry in geometries(element, tag):
             uri = (geometry[0].findtext("uri") or "").strip()
             try:
                 points, corners, colour = _shape(frames, link, shape, geometry, default, known)
@@ -118,27 +116,20 @@ def _frames_and_driven(robot: DrivableRobot) -> tuple[ModelFrames, set[str]]:
     return frames, robot.drive.links(frames.child)
 
 
-def _geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:
-    """Yield the visuals or collisions of a link that have an end, and their geometries."""
-    for shape in link.findall(tag):
-        geometry = shape.find("geometry")
-        if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
-            yield shape, geometry
-
-
 def _shape(frames: ModelFrames, link: str, shape: Element, geometry: Element, default: Colour, known: Known) -> Visual:
     """Return a shape in the frame of its link."""
     if (form := form_of(geometry)) not in known:
         known[form] = _triangles(geometry[0], frames.where)
     points, corners = known[form]
     pose = np.linalg.inv(frames.transform(link)) @ frames.shape(link, shape)
-    return Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, _colour(shape, frames.where, default))
+    return Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, colour_of(shape, frames.where) or default)
 
 
-def _colour(shape: Element, where: str, default: Colour) -> Colour:
+def colour_of(shape: Element, where: str) -> Colour | None:
+    """Return the colour of a shape, parts from 0 to 1; None if it has none."""
     words = (shape.findtext("material/diffuse") or shape.findtext("material/ambient") or "").split()[:3]
     if not words:
-        return default
+        return None
     red, green, blue = np.clip(floats(" ".join(words), 3, where), 0, 1).tolist()
     return red, green, blue
 

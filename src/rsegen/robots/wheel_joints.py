@@ -48,7 +48,7 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     """
     if not frames.shapes.whole:
         return {}
-    above = {frames.child(name): name for name in frames.joints}
+    above = frames.holders()
     across = {name for name, joint in frames.joints.items() if is_endless(joint) and is_along_y(name, frames)}
 
     def is_free(joint: str) -> bool:
@@ -101,7 +101,7 @@ def rolling_joints(joints: Iterable[str], frames: ModelFrames) -> list[str]:
 
     Nor do they carry another of them, as the joints of an arm do.
     """
-    above = {frames.child(name): name for name in frames.joints}
+    above = frames.holders()
     swivels: dict[str, bool] = {}  # whether a link is turned about an upright axis
 
     def is_swivelling(link: str) -> bool:

@@ -23,9 +23,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.geometry.poses import angles, rotation
 from rsegen.params.numbers import decimal
 from rsegen.robots.drives import element, servo_plugins, system
-from rsegen.robots.links import Joint, Link, Part, SdfPose, angles, kind_and_sizes, rotation
+from rsegen.robots.links import Joint, Link, Part, SdfPose, kind_and_sizes
 from rsegen.ros2.configuration import MODEL, ROBOT, bridge_yaml, robot_topics
 from rsegen.standing.outlines import Outline
 

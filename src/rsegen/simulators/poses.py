@@ -6,10 +6,11 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from rsegen.field.stepfield import StepField
+from rsegen.field.stepfield import Array, StepField
 from rsegen.standing.body import Body
+from rsegen.standing.outlines import Spot
 from rsegen.standing.spots import GAP
 
 if TYPE_CHECKING:
@@ -34,13 +35,36 @@ class Pose:
     yaw: float = 0.0
 
     @classmethod
-    def above(cls, spot: Any) -> Pose:
+    def above(cls, spot: Spot) -> Pose:
         """Return the pose of a robot at rest at a spot, raised until no part of it is inside a block."""
         return cls(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
+
+    @classmethod
+    def of(cls, numbers: Sequence[float]) -> Pose:
+        """Return the pose of x, y, z, roll, pitch and yaw, as a Record has them."""
+        x, y, z, roll, pitch, yaw = numbers
+        return cls(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
 
     def distance(self, other: Pose) -> float:
         """Return the distance between the positions of both, metres."""
         return math.dist((self.x, self.y, self.z), (other.x, other.y, other.z))
+
+
+def angles_of(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw, radians, of a unit quaternion."""
+    return (
+        math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+        math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))),
+        math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+    )
+
+
+_Angle = TypeVar("_Angle", float, Array)
+
+
+def wrapped(angle: _Angle) -> _Angle:
+    """Return the angle, or angles, between -pi and pi."""
+    return (angle + math.pi) % (2 * math.pi) - math.pi
 
 
 def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:

@@ -20,7 +20,7 @@ from statistics import fmean
 from typing import Any, TypeAlias
 
 from rsegen.errors import NoMessage, shown
-from rsegen.simulators.poses import Contact, Pose
+from rsegen.simulators.poses import Contact, Pose, angles_of
 
 Message: TypeAlias = Mapping[str, Any]
 """A message: numbers, texts, bytes and messages by the names of their fields; lists where a field may be repeated."""
@@ -300,15 +300,8 @@ def pose_message(pose: Pose) -> PoseMessage:
 def pose_of(message: PoseMessage) -> Pose:
     """Return the pose in a message; missing fields are 0."""
     at, q = message.get("position", {}), message.get("orientation", {})
-    x, y, z, w = (float(q.get(name, 0.0)) for name in "xyzw")
-    return Pose(
-        x=float(at.get("x", 0.0)),
-        y=float(at.get("y", 0.0)),
-        z=float(at.get("z", 0.0)),
-        roll=math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-        pitch=math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))),
-        yaw=math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-    )
+    turn = (float(q.get(name, 0.0)) for name in "wxyz")
+    return Pose.of([*(float(at.get(name, 0.0)) for name in "xyz"), *angles_of(*turn)])
 
 
 def contact_of(collisions: tuple[str, str], points: Sequence[Mapping[str, float]]) -> Contact | None:

@@ -24,12 +24,12 @@ from typing import TypeAlias
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.stepfield import StepField
 from rsegen.gazebo.sdf import numbers
+from rsegen.geometry.poses import rotation
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import recipe_in
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.links import rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene, compose
@@ -39,7 +39,7 @@ from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.spawning.map_models import MapModel, known_recipes, map_model, map_of, unknown_map_notes
 from rsegen.spawning.placement import GROUND, RADIUS, Area, SpawnedMap, free_area, model_radius, occupied
 from rsegen.standing.resting import resting_poses
-from rsegen.standing.spots import spots_on_map
+from rsegen.standing.spots import find_spots
 from rsegen.writing.target_worlds import Target, path_of, recipe_files
 
 
@@ -246,7 +246,7 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
         ]
         with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):
-                (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
+                (spot,) = find_spots(spawned.field, body, 1, generator(seed, 0, name))
                 start = _in_world(Pose.above(spot), robot, spawned)
                 if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
                     return start

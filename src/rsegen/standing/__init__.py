@@ -11,8 +11,8 @@ CAPABILITY = Capability(
     summary="how a robot stands on a field: poses, lanes, ways, spots",
     needs=("pictures",),
     public={
+        "rsegen.standing.outlines": ("Spot",),
         "rsegen.standing.resting": ("Poses",),
-        "rsegen.standing.spot_judge": ("Spot",),
         "rsegen.standing.stable": ("StablePoses",),
     },
     offers={"rsegen.formats": {"posture": "rsegen.standing.posture"}},

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.geometry.poses import rotation
 from rsegen.standing.body import Body
 from rsegen.standing.resting import REASONS, Poses
 
@@ -38,14 +39,22 @@ class RobotDrawing:
         draw_robot(plan, self.body, self.rests)
 
     def in_front(self, field: StepField) -> Mask:
-        """Return which cells of a field are in front of it in a view from the south-east, (n_x, n_y)."""
-        return in_front(field, self.body, self.rests)
+        """Return which cells of a field are east or south of it, so in front of it as seen from there, (n_x, n_y)."""
+        placed = _placed(self.body, self.rests)
+        east, south = placed[:, 0].max(), placed[:, 1].min()
+        edges_x, edges_y = field.edges()
+        return np.asarray(np.logical_or.outer(edges_x[:-1] > east, edges_y[1:] < south))
 
     def silhouettes(
         self, project: Callable[[Array, Array, Array], Array], toward: Array
     ) -> Iterator[tuple[Array, str]]:
-        """Yield outline and colour of each part in a view, the farthest first; as the function of that name."""
-        return silhouettes(self.body, self.rests, project, toward)
+        """Yield outline and colour of each part in a view, the farthest first.
+
+        project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
+        """
+        parts = self.body.by_part(_placed(self.body, self.rests))
+        for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
+            yield hull(project(*parts[number].T)), _DRIVEN if self.body.parts[number].drives else _UNDRIVEN
 
     def describe(self) -> str:
         """Return in words how it stands."""
@@ -76,17 +85,8 @@ def draw_robot(axes: Axes, body: Body, rests: Poses, index: int = 0) -> None:
 
 
 def axes_of(rests: Poses, index: int) -> Array:
-    """Return the axes of a robot as columns, (3, 3): turned by roll, then pitch, then yaw, as in Gazebo."""
-    (cr, sr), (cp, sp), (cy, sy) = (
-        (np.cos(angles[index]), np.sin(angles[index])) for angles in (rests.roll, rests.pitch, rests.yaw)
-    )
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    """Return the axes of a robot at one of its poses as columns, (3, 3)."""
+    return rotation(*(float(angle[index]) for angle in (rests.roll, rests.pitch, rests.yaw)))
 
 
 def hull(points: Array) -> Array:
@@ -124,26 +124,6 @@ def _without_inner(points: Array) -> Array:
     for (a, b), (c, d) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         outside |= (c - a) * (points[:, 1] - b) - (d - b) * (points[:, 0] - a) <= 0
     return points[outside]
-
-
-def silhouettes(
-    body: Body, rests: Poses, project: Callable[[Array, Array, Array], Array], toward: Array
-) -> Iterator[tuple[Array, str]]:
-    """Yield outline and colour of each part of a robot in a view, the farthest first.
-
-    project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
-    """
-    parts = body.by_part(_placed(body, rests))
-    for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
-        yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
-
-
-def in_front(field: StepField, body: Body, rests: Poses) -> Mask:
-    """Return which cells of a field are east or south of a robot, so in front of it as seen from there, (n_x, n_y)."""
-    placed = _placed(body, rests)
-    east, south = placed[:, 0].max(), placed[:, 1].min()
-    edges_x, edges_y = field.edges()
-    return np.asarray(np.logical_or.outer(edges_x[:-1] > east, edges_y[1:] < south))
 
 
 def _placed(body: Body, rests: Poses) -> Array:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
 from rsegen.standing.lattice import Watch
+from rsegen.standing.lowering import lane_caps, lane_cells
 from rsegen.standing.planner import best_way
 from rsegen.standing.pose_statistics import PoseStatistics, pose_statistics
 from rsegen.standing.reach import Reach, reach
@@ -76,14 +79,11 @@ class RobotOnField(CrossingModel):
 
     def caps(self, field: StepField, axis: int) -> Ints | None:
         """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-        from rsegen.standing.lowering import lane_caps
-
-        return lane_caps(field, self, axis)
+        report = partial(report_share, self.search)
+        return lane_caps(field, self.body, axis, room=self.room, kind=self.kind, report=report)
 
     def lanes(self, field: StepField) -> Mask:
         """Return the cells of the lanes that it drives: poses of each change would take too long."""
-        from rsegen.standing.lowering import lane_cells
-
         return lane_cells(field, self.body)
 
     @property

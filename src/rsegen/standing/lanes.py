@@ -128,7 +128,7 @@ class Lanes:
 
     def lane(self, number: int) -> Lanes:
         """Return one of them."""
-        count, row = len(self.poses.x) // len(self.end), slice(number, number + 1)
+        count, row = self.drops.shape[1], slice(number, number + 1)
         poses = self.poses.some(slice(number * count, (number + 1) * count))
         rows = {name: getattr(self, name)[row] for name in ("count", "end", "last", "drops", "slips")}
         return Lanes(poses=poses, **rows)
@@ -138,6 +138,10 @@ class Lanes:
         begins = which & ~np.pad(which, ((0, 0), (1, 0)))[:, :-1]
         x, y = origins(self.poses.some(np.flatnonzero(begins)), body)
         return list(zip(x.tolist(), y.tolist(), strict=True))
+
+    def ends_of(self, lanes: Ints, body: Body) -> tuple[Array, Array]:
+        """Return x and y of the robot's origin at the last poses of some lanes, by their numbers, metres, (n,) each."""
+        return origins(self.poses.some(lanes * self.drops.shape[1] + self.last[lanes]), body)
 
     @property
     def passed(self) -> Mask:

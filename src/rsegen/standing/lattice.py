@@ -22,8 +22,9 @@ at the robot's full speed, which a straight lane does not give.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from heapq import heapify, heappop, heappush
 from itertools import count
 
 import numpy as np
@@ -34,7 +35,6 @@ from rsegen.standing.evidence import MOVE, Evidence
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes, lines_along, steps_on
 from rsegen.standing.resting import has_stood, margins
-from rsegen.standing.searching import cheapest
 from rsegen.standing.settling import Settled, joined, outer_radius, settle, settled_on_level
 
 HEADINGS = 8
@@ -189,7 +189,7 @@ class Lattice:
             first_last = (self._rest.some(numbers[0][part]), self._rest.some(numbers[1][part])) if numbers else None
             lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last)
             passed.append(lanes.passed)
-            count = len(lanes.poses.x) // len(lanes.end)
+            count = lanes.drops.shape[1]
             values = self.worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
             worst.append(np.zeros(len(lanes.end)))
             worst[-1][lanes.passed] = values.reshape(-1, count).max(axis=1)
@@ -276,7 +276,7 @@ class Lattice:
             for lanes in (starts, goals)
         )
         while True:
-            found = cheapest(begins, ends, self._hopes(), cost_of, of_place, first)
+            found = _cheapest_way(begins, ends, self._hopes(), cost_of, of_place, first)
             if found is None:
                 return None
             cost, way = found
@@ -348,3 +348,60 @@ def _margin_on_level(ground: PaddedGround, body: Body) -> float:
     """Return the tilt at which a robot tips over on level ground, radians."""
     level, rest = settled_on_level(ground, body)
     return float(margins(level, body, rest)[0])
+
+
+# The cheapest way through a graph that is given place by place.
+
+
+_BEYOND = -1
+"""The place behind all goals, to which each leads."""
+
+
+def _cheapest_way(
+    starts: Mapping[int, tuple[float, float]],
+    goals: Mapping[int, tuple[float, float]],
+    onward: Callable[[int], Iterable[tuple[int, float, float]]],
+    cost_of: Callable[[float, float, float], float],
+    left: Sequence[float],
+    first: float = 0.0,
+) -> tuple[float, list[int]] | None:
+    """Return the least cost from a start to a goal, and the places between; None if no goal is reached.
+
+    Of all places at the front the one goes on whose cost, and a bound of what is left, are least (A*, Hart, Nilsson and
+    Raphael 1968). Cost: of each place once, and of each move out of it, in Python: some microseconds.
+
+    starts, goals: the length of what leads there, and on from there, and the worst on it; places are numbers from 0 on
+    onward: places to which a place leads, the length of each move, and the worst on it
+    cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
+    left: of each place a cost that no way to a goal is below, and which falls by no more than a move costs
+    first: the cost before a start
+    """
+    costs, before = {at: cost_of(first, *lane) for at, lane in starts.items()}, dict[int, int]()
+    # Of equal ones the nearest goes on.
+    front = [(cost + left[at], 0.0, at) for at, cost in costs.items() if cost < np.inf]
+    heapify(front)
+    done, arrived = set[int](), np.inf
+    while front:
+        _, run, at = heappop(front)
+        if at == _BEYOND:
+            return arrived, _traced(before)
+        if at in done:
+            continue
+        done.add(at)
+        if at in goals and (last := cost_of(costs[at], *goals[at])) < arrived:
+            arrived, before[_BEYOND] = last, at
+            heappush(front, (last, run, _BEYOND))
+        for on, length, worst in onward(at):
+            after = cost_of(costs[at], length, worst)
+            if after < costs.get(on, np.inf) - 1e-9:
+                costs[on], before[on] = after, at
+                heappush(front, (after + left[on], run + length, on))
+    return None
+
+
+def _traced(before: Mapping[int, int]) -> list[int]:
+    """Return the places from a start to a goal, by the place before each."""
+    way = [before[_BEYOND]]
+    while way[-1] in before:
+        way.append(before[way[-1]])
+    return way[::-1]

@@ -25,14 +25,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import NO_CAP, Array, Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side
-from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import careful, room_beside, safely_passed
@@ -43,13 +42,9 @@ from rsegen.standing.lanes import (
     driven_lanes,
     entry_distance,
     lines_along,
-    origins,
     step_of,
 )
 from rsegen.standing.settling import outer_radius
-
-if TYPE_CHECKING:
-    from rsegen.standing.kinds import RobotOnField
 
 _FIRST_LANES, _LANES = 2, 8
 """Straight lanes that are driven at a time, first and then: few, as one of the first, most even ones is mostly
@@ -77,9 +72,13 @@ _PIECE = 1.5
 """Length of a piece in blocks; they begin a block apart, so that no step is only at an end."""
 
 
-def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
-    """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-    body, room = robot.body, robot.room
+def lane_caps(
+    field: StepField, body: Body, axis: int, *, room: float, kind: str, report: Callable[[float], object]
+) -> Ints | None:
+    """Return the highest levels along a straight lane that a robot of a kind drives; None if there is one already.
+
+    room: how much of it is to spare, as a share of what is usual; report: called with the share that is done
+    """
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
     lines = [
@@ -96,9 +95,11 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
         if _is_safe(field, body, axis, driven_lanes(field, body, axis, middles[driven : driven + count]), room):
             return None
         driven, count = min(driven + count, len(middles)), _LANES
-        report_share(robot.search, (axis + driven / len(middles) / 2) / 2)
+        report((axis + driven / len(middles) / 2) / 2)
     chosen: Ints | None = None
-    for line, levels in _lowered_lanes(turned, robot, lines, aside, axis):
+    driver = careful(turned, body, room) if room <= 1 else None
+    lowered_lanes = _lowered_lanes(turned, driver, room, lines, aside, partial(_report_lowering, report, axis))
+    for line, levels in lowered_lanes:
         lane = slice(max(line - aside, 0), line + aside + 1)
         caps = np.full(turned.shape, NO_CAP)
         caps[:, lane] = np.where(turned.frame[:, lane], NO_CAP, levels)
@@ -113,9 +114,7 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
             chosen = caps  # between other blocks, even a level lane may have less room than was asked for
     if chosen is None:
         high = f"{100 * field.frame_height:g} cm"
-        raise ParameterError(
-            "crossable_by", f"{robot.kind} cannot cross frames of {high}; use boundary none or lower frames"
-        )
+        raise ParameterError("crossable_by", f"{kind} cannot cross frames of {high}; use boundary none or lower frames")
     return chosen if (field.levels > chosen).any() else None
 
 
@@ -125,19 +124,25 @@ def _is_safe(field: StepField, body: Body, axis: int, driven: Array, room: float
 
 
 def _lowered_lanes(
-    field: StepField, robot: RobotOnField, lines: list[int], aside: int, axis: int
+    field: StepField,
+    driven: Body | None,
+    room: float,
+    lines: list[int],
+    aside: int,
+    report: Callable[[int, float], object],
 ) -> Iterator[tuple[int, Ints]]:
-    """Yield lines of cells along x with lowered levels of their lanes, the best first; the last lane is a level one."""
-    driven = careful(field, robot.body, robot.room) if robot.room <= 1 else None
+    """Yield lines of cells along x with lowered levels of their lanes, the best first; the last lane is a level one.
+
+    driven: the careful robot; None if it climbs none of blocks as high as these
+    """
     rest: list[_Lowered] = []
-    if driven is not None:  # else it climbs none of blocks as high as these
+    if driven is not None:
         least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
         best = [line for _, line in least[:_MOST_TRIED]]
         low = replace(field, levels=np.minimum(field.levels, 1))
         for done, (ground, first) in enumerate(product((field, low), range(0, len(best), _TRIED))):
             tried = best[first : first + _TRIED]
-            watch = partial(_report_lowering, robot.search, axis, done)
-            strips = _Strips.of(ground, tried, aside).smoothed(driven, robot.room, watch)
+            strips = _Strips.of(ground, tried, aside).smoothed(driven, room, partial(report, done))
             lanes = [_lowered(field, *each, aside) for each in zip(tried, strips, strict=True)]
             for lane in sorted(lanes, key=_preference):
                 if (lane.levels > 0).mean() < _ON_BLOCKS:
@@ -169,11 +174,11 @@ def _lowered(field: StepField, line: int, strip: Ints, aside: int) -> _Lowered:
     return _Lowered(_units(field, line, aside, levels), line, levels)
 
 
-def _report_lowering(search: str, axis: int, before: int, share: float) -> None:
+def _report_lowering(report: Callable[[float], object], axis: int, before: int, share: float) -> None:
     """Report how much of the search is done: lowering is the second half of an axis, and the first lanes are half of
     that, the next ones half of the rest; `before` of them are done.
     """
-    report_share(search, (axis + 1 - (1 - share / 2) / 2 ** (before + 1)) / 2)
+    report((axis + 1 - (1 - share / 2) / 2 ** (before + 1)) / 2)
 
 
 def _units(field: StepField, line: int, aside: int, levels: Ints) -> int:
@@ -196,24 +201,22 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 class _Strips:
     """Lanes with the cells next to them, one next to the other as their own field, S of them.
 
-    levels: (S, n, w), frame: (S, n, w); beside: cells to each side of a lane that stay as they are
+    levels: (S, n, w), frame: (S, n, w), with a cell to each side of a lane that stays as it is
     """
 
     field: StepField
     levels: Ints
     frame: Mask
-    beside: int
 
     @classmethod
     def of(cls, field: StepField, lines: list[int], aside: int) -> _Strips:
         """Return the strips of lanes about lines of cells."""
-        beside, width = 1, 2 * (aside + 1) + 1
+        width = 2 * (aside + 1) + 1
         levels, frame = (np.pad(values, ((0, 0), (aside + 1, aside + 1))) for values in (field.levels, field.frame))
         return cls(
             field=field,
             levels=np.stack([levels[:, line : line + width] for line in lines]).astype(np.int64),
             frame=np.stack([frame[:, line : line + width] for line in lines]),
-            beside=beside,
         )
 
     def smoothed(self, body: Body, room: float, progress: Callable[[float], object]) -> Ints:
@@ -242,7 +245,7 @@ class _Strips:
                     continue
                 self._lower(strip, window)
                 is_lowered[strip, piece, way] = changed[strip, window] = True
-            for strip, piece in np.argwhere(np.ones(shape[:2], bool)).tolist():
+            for strip, piece in np.ndindex(shape[:2]):
                 near = slice(
                     self._window(float(starts[piece]), body).start,
                     self._window(float(starts[piece] + _PIECE * width), body).stop,
@@ -271,9 +274,8 @@ class _Strips:
         y = ((pieces[:, 0] + 0.5) * wide - levels.shape[1] / 2) * width + side * room_beside(body)
         ground = PaddedGround.of(field, outer_radius(body))
         lanes = drive_lanes(ground, body, starts[pieces[:, 1]], y, turn * _TURNED, _PIECE * width)
-        count, ended = len(lanes.poses.x) // len(pieces), np.flatnonzero(~lanes.passed)
-        ends = np.full(len(pieces), np.nan)
-        ends[ended] = origins(lanes.poses.some(ended * count + lanes.last[ended]), body)[0]
+        ended, ends = np.flatnonzero(~lanes.passed), np.full(len(pieces), np.nan)
+        ends[ended] = lanes.ends_of(ended, body)[0]
         return ends
 
     def _lower(self, strip: int, window: slice) -> None:
@@ -281,7 +283,7 @@ class _Strips:
 
         window: lines of cells along x, counted from the ground before the field
         """
-        inner = slice(self.beside, self.levels.shape[2] - self.beside)
+        inner = slice(1, -1)
         own, frame = self.levels[strip, :, inner], self.frame[strip, :, inner]
         padded, walls = np.pad(own, ((1, 1), (0, 0))), np.pad(frame, ((1, 1), (0, 0)))
         part, wall = padded[window], walls[window]

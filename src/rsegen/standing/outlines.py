@@ -1,23 +1,48 @@
-"""Outlines of robots seen from above: rectangles that are apart from each other, and within the bounds of a field."""
+"""Spots of robots, and outlines of robots seen from above: rectangles apart from each other, and within a field."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.standing.body import Body
 
-if TYPE_CHECKING:
-    from rsegen.standing.spot_judge import Spot
-
 HEADINGS = 16
 """Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
 
 EXACT = 1e-9
 """Metres of rounding errors by which an outline may be beyond the map."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Spot:
+    """A place for a start or a goal of a robot.
+
+    Attributes
+    ----------
+    x, y, z, roll, pitch, yaw : float
+        Pose of the robot's origin at rest, metres and radians, as in Gazebo.
+    tilt : float
+        Angle between its upright and the vertical, radians.
+    tip_angle : float
+        The least turn that tips it over, radians.
+    reason : str
+        Empty; at a place that was taken for want of a spot, why it is none.
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    tilt: float = 0.0
+    tip_angle: float = 0.0
+    reason: str = ""
 
 
 class Outline(NamedTuple):
@@ -78,35 +103,21 @@ def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Sp
     return separated
 
 
-class Bounds(NamedTuple):
-    """The rectangle of a part of a field: its least and largest x and y, metres."""
-
-    low: tuple[float, float]
-    high: tuple[float, float]
-
-    @classmethod
-    def of(cls, field: StepField, window: tuple[slice, slice] | None = None) -> Bounds:
-        """Return the bounds of the cells in a window of a field, by default of all."""
-        sides = [(part.start, part.stop) for part in window] if window else [(0, cells) for cells in field.shape]
-        (low_x, high_x), (low_y, high_y) = (
-            (-extent / 2 + low * field.block_width, extent / 2 - (cells - high) * field.block_width)
-            for (low, high), cells, extent in zip(sides, field.shape, field.extent, strict=True)
-        )
-        return cls((low_x, low_y), (high_x, high_y))
-
-
-def fits(bounds: Bounds, body: Body) -> bool:
-    """Return whether a robot is wholly within bounds at one of the 16 headings, however uneven it is there."""
+def fits(field: StepField, body: Body) -> bool:
+    """Return whether a robot is wholly within a field at one of the 16 headings, however uneven it is there."""
     yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
-    room = range_inside(bounds, Outline.of(body), yaw)
+    room = range_inside(field.extent, Outline.of(body), yaw)
     return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
 
 
-def range_inside(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
-    """Return the least and largest x and y of a robot that is wholly within bounds, at each heading: (2, 2, n)."""
+def range_inside(extent: tuple[float, float], outline: Outline, yaw: Array) -> Array:
+    """Return the least and largest x and y of a robot that is wholly within a field of some sides, metres.
+
+    At each heading: (2, 2, n).
+    """
     c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
     middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c
     half_x, half_y = outline.length / 2, outline.width / 2
     halves = half_x * np.abs(c) + half_y * np.abs(s), half_x * np.abs(s) + half_y * np.abs(c)
-    sides = zip(middles, halves, *bounds, strict=True)
-    return np.stack([(low - EXACT - at + half, high + EXACT - at - half) for at, half, low, high in sides])
+    sides = zip(middles, halves, extent, strict=True)
+    return np.stack([(-side / 2 - EXACT - at + half, side / 2 + EXACT - at - half) for at, half, side in sides])

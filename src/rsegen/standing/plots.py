@@ -18,10 +18,9 @@ from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.drawing import draw_robot
-from rsegen.standing.outlines import Outline
+from rsegen.standing.outlines import Outline, Spot
 from rsegen.standing.resting import REASONS, resting_poses
 from rsegen.standing.settling import outer_radius
-from rsegen.standing.spot_judge import Spot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,6 +9,7 @@ import numpy as np
 from rsegen.field.stepfield import StepField
 from rsegen.standing.body import Body
 from rsegen.standing.ground import PaddedGround
+from rsegen.standing.lattice import HEADINGS
 from rsegen.standing.resting import of_settled
 from rsegen.standing.settling import Settled, outer_radius, settle
 from rsegen.standing.stable import stable_at
@@ -37,14 +38,12 @@ class PoseStatistics:
     clearance_least: float | None
 
 
-def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStatistics:
+def pose_statistics(field: StepField, body: Body) -> PoseStatistics:
     """Return how a robot rests all over a field, with its middle above the middles of the blocks."""
-    edges_x, edges_y = field.edges()
-    i, j = np.nonzero(~field.frame)
-    middles = (edges_x[i] + edges_x[i + 1]) / 2, (edges_y[j] + edges_y[j + 1]) / 2
-    x, y = (np.repeat(along, headings) for along in middles)
+    at = np.nonzero(~field.frame)
+    x, y = (np.repeat(along[own], HEADINGS) for along, own in zip(field.middles(), at, strict=True))
     ground = PaddedGround.of(field, outer_radius(body))
-    rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
+    rest = settle(ground, body, x, y, np.tile(np.arange(HEADINGS) * 2 * np.pi / HEADINGS, len(at[0])))
     return statistics_of(ground, body, rest)
 
 

@@ -316,14 +316,9 @@ class _Settling:
         """Find the contacts of robots among all samples, from those that they have."""
         if not len(rows):
             return
-        three = self.three[:, rows]
-        a, b, c = self.plane_of_all(rows, self.axes(rows), three)
+        three, turned, every = self.three[:, rows], self.axes(rows), _of_each(self.points, len(rows))
+        a, b, c = _plane(self.under(every, rows, turned), every, turned, three)
         self.three[:, rows], self.height[rows], self.turn[rows] = three, c, np.hypot(a, b)
-
-    def plane_of_all(self, rows: Ints, turned: Array, three: Ints) -> Array:
-        """Return the planes of all samples of some robots that have these axes, as `_plane` does."""
-        every = _of_each(self.points, len(rows))
-        return _plane(self.under(every, rows, turned), every, turned, three)
 
     def axes(self, rows: Ints) -> Array:
         """Return the axes of some robots, (3, 3, n)."""

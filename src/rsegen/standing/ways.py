@@ -16,7 +16,6 @@ from rsegen.standing.lanes import (
     Lanes,
     across,
     entry_distance,
-    origins,
     step_of,
     steps_on,
     straight,
@@ -168,9 +167,7 @@ def lane_way(lanes: Lanes, number: int, field: StepField, body: Body) -> Way:
 def no_way(lanes: Lanes, body: Body, number: int | None = None) -> Way:
     """Return what ends a straight lane, by default the one that gets farthest."""
     best = int(lanes.last.argmax()) if number is None else number
-    count = len(lanes.poses.x) // len(lanes.end)
-    place = best * count + int(lanes.last[best])
-    x, y = origins(lanes.poses.some(slice(place, place + 1)), body)
+    x, y = lanes.ends_of(np.array([best]), body)
     return Way(
         crosses=False,
         length=None,
