@@ -254,7 +254,9 @@ class Parser(argparse.ArgumentParser):
         """Return that what a flag means stands without one in this command, in words; an empty text if it does not."""
         for action in self.actions:
             place = str(action.metavar or action.dest)
-            if not action.option_strings and flag.removeprefix("--") in re.split("[^a-z]+", f"{place} {action.dest}".lower()):
+            if not action.option_strings and flag.removeprefix("--") in re.split(
+                "[^a-z]+", f"{place} {action.dest}".lower()
+            ):
                 return f"; {place} stands without a flag here"
         return ""
 

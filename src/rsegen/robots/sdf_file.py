@@ -28,6 +28,7 @@ from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, some_of, take_out
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
+from rsegen.robots.gazebo_models import fit
 from rsegen.robots.holding import hold
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
@@ -178,11 +179,9 @@ class SdfRobot(RobotOnField):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
-        self._refuse_inline_meshes(model)
-        if simulator == "classic":
-            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         make_drivable(model, self, name, simulator)
+        self._make_fit(model, simulator)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -201,12 +200,10 @@ class SdfRobot(RobotOnField):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
-        self._refuse_inline_meshes(model)
-        if simulator == "classic":
-            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
             hold(model, None, follows=False)
+        self._make_fit(model, simulator)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{with_capsules(_outer(model), simulator)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
@@ -273,6 +270,14 @@ class SdfRobot(RobotOnField):
                 f"{self.kind}: the mesh of a collision shape has no STL, OBJ or COLLADA file, and Gazebo reads no"
                 " other; drive it in MuJoCo"
             )
+
+    def _make_fit(self, model: Element, simulator: str) -> None:
+        """Write a model as a Gazebo reads it; FileError for what it does not read."""
+        self._refuse_inline_meshes(model)
+        if simulator == "classic":
+            use_shapes_of_classic(model, self.kind)
+        driven = self.read_drive.drive.links(ModelFrames(model, self.kind).child) if self.read_drive else ()
+        fit(model, self.kind, simulator, sorted(driven))
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
