@@ -21,6 +21,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
 )
 from rsegen.robots.sdf_elements import numbers_text, put
+from rsegen.robots.sdf_names import let_go
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 if TYPE_CHECKING:
@@ -144,8 +145,13 @@ HELD = "held as its model has them, as nothing drives them"
 
 
 def hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
-    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
+    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left.
+
+    What holds the model in the world lets go of it.
+    """
     read = robot.read_drive
+    if read:
+        let_go(model)
     held = hold(model, robot.drive if read else None, follows=follows, steering=robot.steering)
     turn_to_the_left(model, robot.kind, read.turned if read else ())
     return held

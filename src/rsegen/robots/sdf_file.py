@@ -47,6 +47,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
     plugin_problem,
 )
+from rsegen.robots.sdf_names import holders, refuse_unknown
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
@@ -335,6 +336,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks.append(f"left out, as these collision shapes have no size: {some_of(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
+    refuse_unknown(frames, is_whole=not missing)
     hang_on_links(frames)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
@@ -357,6 +359,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         problem.format(some_of(names))
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
+            (holders(model) if drive else (), "held in the world in its file by {}, and moves freely in a drive"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
             (
