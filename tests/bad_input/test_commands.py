@@ -32,6 +32,14 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["unknown flag '--force'"]),
+    "a flag for what stands without one": (
+        ["rate", "--robot", "burger"],
+        ["unknown flag '--robot'; ROBOT stands without a flag here"],
+    ),
+    "the file of a robot in a recipe": (
+        ["generate", *OBSTACLE, "--crossable-by", "my/robot.urdf", "-o", "out"],
+        ["--crossable-by: 'my/robot.urdf' is a file", "use a kind of robot (burger, crawler, jackal)"],
+    ),
     "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["unexpected argument 'b.yaml'"]),
     "no output": (["generate"], ["-o/--output"]),
     "an output of no name": (["generate", "-o", ""], ["-o/--output", "expected a folder"]),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from rsegen.errors import ParameterError
+from rsegen.errors import FileError, ParameterError
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
 from rsegen.robots.lookup import DrivableRobot, robot_of
@@ -305,3 +305,14 @@ def test_shapes_of_one_file_share_its_hull_and_the_file_is_read_again_once_it_ch
     trimesh.creation.box((0.06, 0.06, 0.06)).export(tmp_path / "part.stl")
     os.utime(tmp_path / "part.stl", (1, 1))  # as clocks of files may be coarse
     assert half_sides(world_of(robot)) == [0.015, 0.03, 0.03]
+
+
+@pytest.mark.parametrize(
+    "more", ["", inertial(0.1, 1e-4).join(('<link name="far">', "</link>"))], ids=["all", "a part"]
+)
+def test_links_on_joints_in_a_loop_are_refused(tmp_path: Path, more: str) -> None:
+    ends = ("far", "far") if more else ("left", "base")
+    loop = f'<joint name="loop" type="fixed"><parent>{ends[0]}</parent><child>{ends[1]}</child></joint>'
+    robot = cart(tmp_path, [wheel("left", 0, 0.15), wheel("right", 0, -0.15)], more=more + loop)
+    with pytest.raises(FileError, match=rf"the joints above link {ends[1]} form a loop"):
+        world_of(robot)

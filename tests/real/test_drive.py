@@ -29,6 +29,7 @@ from rsegen.experiments.trial import run_trial
 from rsegen.experiments.trial_server import Measurement, total
 from rsegen.robots.base import ROBOTS
 from rsegen.simulators.base import Installation
+from tests.robots.two_wheels import two_wheels
 from tests.support.missing import missing
 
 HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
@@ -229,6 +230,21 @@ def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsy
     assert main([*words, "--speed", "0.4", "--duration", "7", "--json"]) == 0
     (robot,) = told(capsys)
     assert robot["crossed"] is not None
+
+
+def test_a_robot_whose_file_begins_with_a_wheel_drives_like_any_other(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A Gazebo takes the first link for the place of a model, which was that of a wheel, and tipped with its turns."""
+    text = two_wheels()
+    wheel = text[text.index('<link name="left_wheel">') : text.index('<joint name="left_hub"')]
+    base = text.index('<link name="base">')
+    (tmp_path / "mine.sdf").write_text(text[:base] + wheel + text[base:].replace(wheel, ""))
+    words = ["drive", str(course(tmp_path, 0.1)), "--robot", str(tmp_path / "mine.sdf"), "--no-predict", "--json"]
+    assert main([*words, "--simulator", gazebo.simulator.name, "--speed", "0.3", "--duration", "3"]) == 0
+    (robot,) = told(capsys)
+    assert robot["tipped"] == 0
+    assert robot["distance"] == pytest.approx(0.9, abs=0.1)
 
 
 def test_an_experiment_goes_on_where_it_was_stopped(

@@ -116,6 +116,20 @@ def test_of_several_controllers_that_whose_sizes_are_those_of_the_wheels_counts(
     assert from_file(file).speed == 3
 
 
+@pytest.mark.parametrize("kind", ["small_100", "small_150", "small"])
+def test_of_several_controllers_for_the_same_wheels_that_which_is_called_like_the_robot_counts(
+    tmp_path: Path, kind: str
+) -> None:
+    (tmp_path / "package.xml").write_text(PACKAGE.format("my_description", ""))
+    for speed, other in ((1, "small_100"), (2, "small_150"), (3, "small"), (4, "aerial")):
+        (tmp_path / f"config/{other}").mkdir(parents=True)
+        (tmp_path / f"config/{other}/control.yaml").write_text(WHEELS.format("", "").replace("1.7", str(speed)))
+    file = tmp_path / f"urdf/{kind}.urdf"
+    file.parent.mkdir()
+    file.write_text(two_wheels_urdf(""))
+    assert from_file(file).speed == {"small_100": 1, "small_150": 2, "small": 3}[kind]
+
+
 def of_a_family(folder: Path, robot: str, *named: str, others: str = "", **files: str) -> SdfRobot:
     """The robot in a package with files for others, whose wheels are called alike, and with files of its own.
 

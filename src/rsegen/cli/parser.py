@@ -243,12 +243,22 @@ class Parser(argparse.ArgumentParser):
         for text in unknown[:1]:
             if text.startswith("-"):
                 name = text.partition("=")[0]
-                self.error(f"unknown flag {shown(name)}{did_you_mean(name, self.flags)}")
+                self.error(f"unknown flag {shown(name)}{self._stands_alone(name) or did_you_mean(name, self.flags)}")
             self.error(f"unexpected argument {shown(text)}")
         for action in self.actions:
             if problem := _problem_of_output(action, getattr(known, action.dest, None)):
                 self.error(f"{'/'.join(action.option_strings)}: {problem}")
         return known, unknown
+
+    def _stands_alone(self, flag: str) -> str:
+        """Return that what a flag means stands without one in this command, in words; an empty text if it does not."""
+        for action in self.actions:
+            place = str(action.metavar or action.dest)
+            if not action.option_strings and flag.removeprefix("--") in re.split(
+                "[^a-z]+", f"{place} {action.dest}".lower()
+            ):
+                return f"; {place} stands without a flag here"
+        return ""
 
 
 def _problem_of_output(action: argparse.Action, value: object) -> str:

@@ -185,7 +185,9 @@ class _Builder:
             # Of a model of several bodies each is as free as the first one.
             name = f"{self.model.name}/{root}/free" if self.model.bodies else self.model.name
             base = self._free(name, place)
-            self._add_link(base, root, np.eye(4), depth=0)
+            self._add_link(base, root, np.eye(4))
+        if looping := next((link for link in self._links if link not in self.model.links), None):
+            raise FileError(f"{self._where}: the joints above link {looping} form a loop, which MuJoCo does not drive")
         if not self._alone:
             names = [str(body.get("name")) for root in self.model.bodies for body in root.iter("body")]
             pairs = [(one, other) for number, one in enumerate(names) for other in names[number + 1 :]]
@@ -197,10 +199,11 @@ class _Builder:
         self.model.bodies.append(body)
         return body
 
-    def _add_link(self, holder: Element, link: str, above: Array, depth: int) -> None:
-        """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`."""
-        if depth > len(self._links):
-            raise FileError(f"{self._where}: link {link} is its own parent")
+    def _add_link(self, holder: Element, link: str, above: Array) -> None:
+        """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`.
+
+        A link hangs on one other, so from the first one down there is no loop.
+        """
         pose = self._frames.transform(link)
         own = np.linalg.inv(above) @ pose
         name = f"{self.model.name}/{link}"
@@ -214,7 +217,7 @@ class _Builder:
         self._add_shapes(body, link, pose)
         for name in self._frames.joints:
             if self._frames.parent(name) == link:
-                self._add_link(body, self._frames.child(name), pose, depth + 1)
+                self._add_link(body, self._frames.child(name), pose)
 
     def _add_joint(self, body: Element, name: str, pose: Array) -> None:
         element = self._frames.joints[name]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from itertools import chain, islice
 from pathlib import Path
@@ -82,7 +82,7 @@ def controls(robot: Element, where: Path) -> Controls:
     texts = ((element.text or "").strip() for element in robot.iter("parameters"))
     files = [Path(text) for text in texts if text.startswith("/")]
     remarks: list[str] = []
-    controllers = tuple(_controllers(where, files, joints, remarks))
+    controllers = tuple(_controllers(where, files, joints, _words(f"{_place(where)} {robot.get('name', '')}"), remarks))
     is_older = robot.find("ros2_control") is None and robot.find("transmission") is not None
     rated_by = "its <transmission>" if is_older else "ros2_control"
     return Controls(rates, controllers, tuple(remarks), rated_by, placed)
@@ -116,15 +116,25 @@ def _yaml_files(package: Path) -> Iterator[Path]:
                     waiting.append((Path(entry.path), depth + 1))
 
 
-def _controllers(where: Path, named: Sequence[Path], joints: set[str], remarks: list[str]) -> Iterator[Controller]:
+def _controllers(
+    where: Path, named: Sequence[Path], joints: set[str], words: Set[str], remarks: list[str]
+) -> Iterator[Controller]:
     """Yield the controllers all of whose wheels are joints of the robot, in files that it names and of its packages.
 
-    remarks: gets a sentence for each file that cannot be read, and, without any other, each of another robot's package
+    Files called like the robot come first: a package may have one for each of several robots with the same wheels.
+    words: of its name and its file; remarks: gets a sentence for each file that cannot be read, and, without any other,
+    each of another robot's package
     """
+
+    def likeness(file: Path) -> float:
+        own = _words(_place(file))
+        return len(own & words) / len(own)
+
     packages = list(packages_around(where))
     own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
     has_own, drives_otherwise = False, _drive_otherwise(named)
-    for files in (iter(named), chain.from_iterable(map(_yaml_files, () if drives_otherwise else own))):
+    own_files = islice(chain.from_iterable(map(_yaml_files, () if drives_otherwise else own)), _MOST_FILES)
+    for files in (iter(named), iter(sorted(own_files, key=likeness, reverse=True))):
         for file, tables in () if has_own else _with_wheels(files, joints, remarks):
             for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
                 has_own = True
@@ -169,6 +179,11 @@ def _with_wheels(
                 remarks.append(f"left out, as it is not read: {str(error).replace(str(file), _place(file), 1)}")
         except UnicodeDecodeError:
             continue
+
+
+def _words(text: str) -> set[str]:
+    """Return the words of the path of a file, or of a name, in small letters."""
+    return set(re.findall(r"[a-z0-9]+", text.lower()))
 
 
 def _place(file: Path) -> str:

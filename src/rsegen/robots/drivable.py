@@ -22,6 +22,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
 )
 from rsegen.robots.sdf_elements import numbers_text, put
+from rsegen.robots.sdf_names import let_go
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
@@ -138,8 +139,11 @@ def hold_and_turn(
 ) -> tuple[str, ...]:
     """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left.
 
+    What holds a model with a drive in the world lets go of it.
     where: begins errors; steering, follows: as of `hold`
     """
+    if read:
+        let_go(model)
     held = hold(model, read.drive if read else None, follows=follows, steering=steering)
     turn_to_the_left(model, where, read.turned if read else ())
     return held

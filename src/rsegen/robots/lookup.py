@@ -90,6 +90,12 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
 
 def crosser(what: object, where: str, *, kind_only: bool = False, room: float = 1.0) -> CrossingModel:
     """Return the robot of a kind or file, which crosses fields with room to spare (`Capability.crossers`)."""
+    if kind_only and isinstance(what, str) and is_robot_file(what):
+        problem = "is a file, and a recipe, whose maps are the same everywhere, has none"
+        instead = (
+            f"use a kind of robot ({', '.join(sorted(ROBOTS))}), or the climb, drop and width in cm of a path of cells"
+        )
+        raise ParameterError(where, f"{shown(what)} {problem}; {instead}")
     robot = ROBOTS.named(what, where) if kind_only else robot_of(what, where)  # type: ignore[arg-type]  # it is checked
     return robot if room == 1 else RobotWithRoom(robot=robot, room=room)
 

@@ -29,6 +29,7 @@ from rsegen.robots.body import body_of_model
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
+from rsegen.robots.gazebo_models import fit
 from rsegen.robots.holding import hold
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
@@ -47,6 +48,7 @@ from rsegen.robots.sdf_drives import (
     plugin_problem,
 )
 from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
+from rsegen.robots.sdf_names import refuse_unknown, ties_to_world
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
@@ -173,11 +175,9 @@ class SdfRobot(RobotOnField):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
-        self._refuse_inline_meshes(model)
-        if simulator == "classic":
-            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         self._make_drivable(model, name, simulator)
+        self._make_fit(model, simulator)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -196,12 +196,10 @@ class SdfRobot(RobotOnField):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(LATEST_OF_CLASSIC)
         version = LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
-        self._refuse_inline_meshes(model)
-        if simulator == "classic":
-            use_shapes_of_classic(model, self.kind)
         self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
             hold(model, None, follows=False)
+        self._make_fit(model, simulator)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{with_capsules(_outer(model), simulator)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
@@ -282,6 +280,14 @@ class SdfRobot(RobotOnField):
                 " other; drive it in MuJoCo"
             )
 
+    def _make_fit(self, model: Element, simulator: str) -> None:
+        """Write a model as a Gazebo reads it; FileError for what it does not read."""
+        self._refuse_inline_meshes(model)
+        if simulator == "classic":
+            use_shapes_of_classic(model, self.kind)
+        driven = self.read_drive.drive.links(ModelFrames(model, self.kind).child) if self.read_drive else ()
+        fit(model, self.kind, simulator, sorted(driven))
+
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
 
@@ -346,6 +352,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks.append(f"left out, as these collision shapes have no size: {some_of(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
+    refuse_unknown(frames, is_whole=not missing)
     hang_on_links(frames)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
@@ -368,6 +375,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         problem.format(some_of(names))
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
+            (ties_to_world(model) if drive else (), "held in the world in its file by {}, and moves freely in a drive"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
             (

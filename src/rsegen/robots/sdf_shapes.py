@@ -146,12 +146,10 @@ class ModelFrames:
         """Return the direction of a joint's axis in the model's frame, (3,)."""
         element = self.joints[joint]
         direction = element.find("axis/xyz")
-        if direction is None:
-            return np.array([0.0, 0.0, 1.0])
-        xyz = np.array(floats(direction.text, 3, self.where))
+        xyz = np.array([0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where))
         if (element.findtext("axis/use_parent_model_frame") or "").strip() in ("1", "true"):
             return xyz
-        frame = direction.get("expressed_in", "")
+        frame = "" if direction is None else direction.get("expressed_in", "")
         scope = joint.rpartition("::")[0]
         turned = self.transform(_in_scope(scope, frame)) if frame else self.joint(joint)
         return np.asarray(turned[:3, :3] @ xyz)

@@ -1,0 +1,123 @@
+"""Models of SDF as a Gazebo reads them: led by their body, and for Gazebo Classic without what it does not know.
+
+A Gazebo says where a model is by one of its links, the canonical one: the first of the model itself, or in Gazebo Sim
+the one that the model names. If that is a wheel, a robot that drives seems to tip over with each turn of it. So the
+link on which all others hang comes first.
+
+Gazebo Classic has the first links of nested models behind those of the model, and overlooks degrees, quaternions and
+frames of nested models, which came with SDF 1.8 and 1.9. A model with one of them becomes flat: links with poses in its
+frame, and joints between them, by the names that they have in it. Cost: that of all poses. What breaks it: sensors of a
+nested model whose poses are relative to others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from rsegen.field.stepfield import Array
+from rsegen.robots.sdf_elements import numbers_text, pose_text
+from rsegen.robots.sdf_shapes import ModelFrames
+
+_OF_LATER_VERSIONS = ("degrees", "rotation_format")
+"""Attributes of poses that Gazebo Classic overlooks."""
+
+
+def fit(model: Element, where: str, simulator: str, driven: Iterable[str] = ()) -> None:
+    """Write a model as a Gazebo reads it, led by the link on which it hangs; names in its plug-ins stay what they are.
+
+    driven: links that are wheels or tracks, of which the first one says which body counts, if there are several
+    """
+    frames = ModelFrames(model, where)
+    body = _body(frames, driven)
+    if simulator == "classic" and _is_overlooked(model):
+        _make_flat(model, frames)
+    _lead(model, body, next((name for name, _ in frames.links()), ""))
+
+
+def _body(frames: ModelFrames, driven: Iterable[str]) -> str:
+    """Return the link on which a driven one hangs, or else the first one; an empty text if there are no links."""
+    links = [name for name, _ in frames.links()]
+    above = {link: frames.parent(joint) for link, joint in frames.holders().items()}
+    body = next((link for link in driven if link in links), links[0] if links else "")
+    for _ in links:  # as deep as there are links, as a file may have a circle
+        if above.get(body, "") not in links:
+            break
+        body = above[body]
+    return body
+
+
+def _lead(model: Element, body: str, first: str) -> None:
+    """Make a link canonical. first: the first one of all, also in nested models, which counts if the model has none."""
+    own = {link.get("name", ""): link for link in model.findall("link")}
+    first = next(iter(own), first)
+    canonical = model.get("canonical_link") or first
+    if canonical == body == first:
+        return
+    if model.get("canonical_link") is not None or body not in own:
+        model.set("canonical_link", body)
+    if body in own and body != first:
+        at = list(model).index(own[first])
+        model.remove(own[body])
+        model.insert(at, own[body])
+
+
+def _make_flat(model: Element, frames: ModelFrames) -> None:
+    """Make a model one of links and joints alone, all poses in its frame, and all names as they are in it."""
+    places = {link: frames.transform(link) for link, _ in frames.links()}
+    joints = {joint: frames.joint(joint) for joint in frames.joints}
+    axes = {joint: frames.axis(joint) for joint in frames.joints}
+    ends = {joint: (frames.parent(joint), frames.child(joint)) for joint in frames.joints}
+    for link, element in frames.links():
+        _put_poses_in(element, link, places[link], frames)
+    for joint, element in frames.joints.items():
+        _put_pose(element, np.linalg.inv(places.get(ends[joint][1], np.eye(4))) @ joints[joint])
+        for tag, name in zip(("parent", "child"), ends[joint], strict=True):
+            for end in element.findall(tag):
+                end.text = name.rpartition("::")[2] if name.endswith("::world") else name
+        _put_axis(element, joints[joint][:3, :3].T @ axes[joint])
+    named = [(name, element) for name, element in (*frames.links(), *frames.joints.items())]
+    plugins = [plugin for nested in model.iter("model") if nested is not model for plugin in nested.findall("plugin")]
+    for element in [*model.findall("frame"), *model.findall("model"), *model.findall("link"), *model.findall("joint")]:
+        model.remove(element)
+    for name, element in named:
+        element.set("name", name)
+    model.extend([*(element for _, element in named), *plugins])
+    model.attrib.pop("canonical_link", None)
+
+
+def _is_overlooked(model: Element) -> bool:
+    """Return whether a model has nested ones, or poses as they came after SDF 1.7."""
+    return model.find("model") is not None or any(
+        pose.get(attribute) is not None for pose in model.iter("pose") for attribute in _OF_LATER_VERSIONS
+    )
+
+
+def _put_poses_in(link: Element, name: str, place: Array, frames: ModelFrames) -> None:
+    """Give a link its pose in the model, and all that it has poses in the link."""
+    for element in [part for part in link.iter() if part is not link and part.find("pose") is not None]:
+        pose = element.find("pose")
+        is_relative = pose is not None and bool(pose.get("relative_to") or pose.get("frame"))
+        _put_pose(element, np.linalg.inv(place) @ frames.shape(name, element) if is_relative else frames.local(element))
+    _put_pose(link, place)
+
+
+def _put_pose(element: Element, place: Array) -> None:
+    for pose in element.findall("pose"):
+        element.remove(pose)
+    pose = Element("pose")
+    pose.text = pose_text(place)
+    element.insert(0, pose)
+
+
+def _put_axis(joint: Element, direction: Array) -> None:
+    """Give a joint that has an axis its direction in the frame of the joint."""
+    axis = joint.find("axis")
+    if axis is None:
+        return
+    for tag in ("xyz", "use_parent_model_frame"):
+        for element in axis.findall(tag):
+            axis.remove(element)
+    SubElement(axis, "xyz").text = numbers_text(direction)

@@ -1,0 +1,79 @@
+"""Names and types in a model of SDF that Gazebo refuses, and what holds a model in the world.
+
+A joint of a link that is not there, a pose relative to no frame, or a type that is none would else be read as another
+robot, without a word. What breaks it: names in a model of which parts are left out, as they are not found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+from rsegen.errors import FileError, shown
+from rsegen.robots.sdf_shapes import ModelFrames
+
+_TYPES = ("revolute", "continuous", "revolute2", "prismatic", "fixed", "ball", "universal", "screw", "gearbox")
+"""Types of joints in SDF."""
+
+_EVERYWHERE = ("", "world", "__model__")
+"""Names of frames that each model has."""
+
+_REFERENCES = ("relative_to", "attached_to", "expressed_in")
+"""Attributes that name a frame."""
+
+
+def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
+    """Raise a FileError for a joint of an unknown type, or a name of a link or frame that a model has not.
+
+    is_whole: whether all that it includes was found
+    """
+    known = {*frames.elements, *frames.joints, *_EVERYWHERE}
+    for name, joint in frames.joints.items():
+        kind = joint.get("type", "")
+        if kind not in _TYPES:
+            raise FileError(
+                f"{frames.where}: joint {shown(name)}: its type {shown(kind)} is none of {', '.join(_TYPES)}"
+            )
+        scope = name.rpartition("::")[0]
+        for tag in ("parent", "child"):
+            own = (joint.findtext(tag) or "").strip()
+            if not own or not {own, _scoped(scope, own)} & known:
+                problem = f"there is no link {shown(own)}" if own else f"it has no <{tag}>"
+                raise FileError(f"{frames.where}: joint {shown(name)}: {problem}")
+    for name, attribute, frame in _references(frames) if is_whole else ():
+        scope = name.rpartition("::")[0]
+        if frame not in _EVERYWHERE and _scoped(scope, frame) not in known:
+            raise FileError(
+                f"{frames.where}: {attribute}={shown(frame)} at {shown(name)}: there is no such link, frame or joint"
+            )
+
+
+def _references(frames: ModelFrames) -> Iterator[tuple[str, str, str]]:
+    """Yield the links, frames, models and joints that name a frame, or whose parts do, the attribute and the frame."""
+    for name, element in (*frames.elements.items(), *frames.joints.items()):
+        parts = [element, *element.findall("pose")] if element.tag == "model" else element.iter()
+        for part in parts:
+            yield from ((name, attribute, part.get(attribute, "")) for attribute in _REFERENCES)
+
+
+def _scoped(scope: str, name: str) -> str:
+    return f"{scope}::{name}" if scope else name
+
+
+def ties_to_world(model: Element) -> list[str]:
+    """Return what holds a model in the world, in words."""
+    is_static = (model.findtext("static") or "").strip() in ("1", "true")
+    return [*(["<static>"] if is_static else []), *(f"joint {joint.get('name')}" for joint in _to_the_world(model))]
+
+
+def let_go(model: Element) -> None:
+    """Take out of a model what holds it in the world, as a robot that drives moves freely."""
+    for element in [*model.findall("static"), *_to_the_world(model)]:
+        model.remove(element)
+
+
+def _to_the_world(model: Element) -> list[Element]:
+    ends = ("parent", "child")
+    return [
+        joint for joint in model.findall("joint") if "world" in [(joint.findtext(tag) or "").strip() for tag in ends]
+    ]

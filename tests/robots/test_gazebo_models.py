@@ -1,0 +1,120 @@
+"""Models as a Gazebo reads them: their body is the link by which it says where they are, and Classic's are flat."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring
+
+import numpy as np
+import pytest
+
+from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.sdf_shapes import ModelFrames
+from tests.robots.two_wheels import two_wheels
+
+BASE = re.compile(r'<link name="base">.*?</link>', re.DOTALL)
+
+LATER = """\
+    <model name="front">
+      <pose degrees="true">0.1 0 0.03 0 0 30</pose>
+      <frame name="mount"><pose relative_to="arm">0 0 0.01 0 0 0</pose></frame>
+      <link name="arm">
+        <pose rotation_format="quat_xyzw">0.02 0 0.05 0 0 1 1</pose>
+        <inertial><pose degrees="true">0 0 0 0 90 0</pose><mass>0.1</mass>
+          <inertia><ixx>1e-4</ixx><iyy>2e-4</iyy><izz>2e-4</izz></inertia></inertial>
+        <collision name="box"><pose relative_to="__model__">0 0 0.1 0 0.1 0</pose>
+          <geometry><box><size>0.1 0.02 0.02</size></box></geometry></collision>
+      </link>
+      <link name="tip">
+        <pose relative_to="mount">0.1 0 0 0 0 0</pose>
+        <inertial><mass>0.1</mass><inertia><ixx>1e-4</ixx><iyy>1e-4</iyy><izz>1e-4</izz></inertia></inertial>
+      </link>
+      <joint name="wrist" type="revolute">
+        <pose degrees="true">0 0 0 10 20 30</pose>
+        <parent>arm</parent><child>tip</child><axis><xyz expressed_in="mount">0 0.6 0.8</xyz></axis>
+      </joint>
+    </model>
+    <joint name="shoulder" type="fixed"><parent>base</parent><child>front::arm</child></joint>
+"""
+
+
+def read(folder: Path, text: str) -> SdfRobot:
+    file = folder / "mine.sdf"
+    file.write_text(text)
+    return from_file(file)
+
+
+def wheels_first(version: str, canonical: str = "", scope: str = "") -> str:
+    """The robot of two wheels with its base behind them, in a nested model if that has a name."""
+    text = two_wheels().replace('version="1.6"', f'version="{version}"').replace("<parent>base", f"<parent>{scope}base")
+    base = BASE.search(text)
+    assert base is not None
+    nested = f'<model name="{scope[:-2]}">{base[0]}</model>' if scope else base[0]
+    text = text.replace(base[0], "").replace("</model>", f"{nested}</model>", 1)
+    return re.sub("(<model [^>]*)>", rf'\1 canonical_link="{canonical}">', text, count=1) if canonical else text
+
+
+def first_link(model: Element) -> str | None:
+    return next(iter(model.findall("link"))).get("name")
+
+
+@pytest.mark.parametrize(("version", "canonical"), [("1.6", ""), ("1.7", "left_wheel"), ("1.7", "base")])
+@pytest.mark.parametrize("simulator", ["classic", "sim"])
+def test_the_body_leads_although_wheels_stand_before_it(
+    tmp_path: Path, simulator: str, version: str, canonical: str
+) -> None:
+    robot = read(tmp_path, wheels_first(version, canonical))
+    for model in (
+        fromstring(robot.model("mine", simulator)),
+        *fromstring(robot.file("mine", simulator)).findall("model"),
+    ):
+        assert first_link(model) == "base"
+        assert model.get("canonical_link", "base") == "base"
+        assert sorted(link.get("name", "") for link in model.findall("link")) == ["base", "left_wheel", "right_wheel"]
+
+
+def test_a_body_in_a_nested_model_leads(tmp_path: Path) -> None:
+    robot = read(tmp_path, wheels_first("1.8", scope="in::"))
+    assert fromstring(robot.model("mine", "sim")).get("canonical_link") == "in::base"
+    assert first_link(fromstring(robot.model("mine", "classic"))) == "in::base"
+
+
+def test_a_model_that_its_body_leads_stays(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels())
+    for simulator in ("classic", "sim"):
+        assert [link.get("name") for link in fromstring(robot.model("mine", simulator)).findall("link")] == [
+            "base",
+            "left_wheel",
+            "right_wheel",
+        ]
+
+
+def test_a_model_is_flat_in_classic_and_all_is_where_it_was(tmp_path: Path) -> None:
+    text = two_wheels().replace('version="1.6"', 'version="1.11"')
+    robot = read(tmp_path, "".join((*text.rpartition("</model>")[:1], LATER, *text.rpartition("</model>")[1:])))
+    model = fromstring(robot.file("mine", "classic")).find("model")
+    assert model is not None
+    flat, own = ModelFrames(model, "flat"), ModelFrames(fromstring(robot.text), "own")
+    assert model.find("model") is None
+    assert model.find("frame") is None
+    assert not any({*element.attrib} - {"name", "type", "filename"} for element in model.iter())
+    assert [name for name, _ in flat.links()] == [name for name, _ in own.links()]
+    assert [*flat.joints] == [*own.joints]
+    for link, element in own.links():
+        np.testing.assert_allclose(flat.transform(link), own.transform(link), atol=1e-9)
+        twin = flat.elements[link]
+        for tag in ("collision", "inertial"):
+            for shape, other in zip(element.findall(tag), twin.findall(tag), strict=True):
+                as_shape = tag == "collision"
+                here = own.shape(link, shape) if as_shape else own.transform(link) @ own.local(shape)
+                there = flat.shape(link, other) if as_shape else flat.transform(link) @ flat.local(other)
+                np.testing.assert_allclose(there, here, atol=1e-9)
+    for joint, element in flat.joints.items():
+        ends = [element.findtext(tag) for tag in ("parent", "child")]
+        assert ends == [own.parent(joint), own.child(joint)]
+        place = own.transform(own.child(joint)) @ flat.local(element)
+        np.testing.assert_allclose(place, own.joint(joint), atol=1e-9)
+        if element.get("type") != "fixed":
+            axis = [float(value) for value in (element.findtext("axis/xyz") or "").split()]
+            np.testing.assert_allclose(place[:3, :3] @ axis, own.axis(joint), atol=1e-9)
