@@ -236,8 +236,8 @@ def refuse_other(where: str, value: object, *kinds: type) -> None:
     """Raise a ParameterError for a value that is of none of these classes, and say how one is made, or where it is."""
     if not isinstance(value, kinds):
         named = (_HOW_MADE.get(kind.__name__, f"{kind.__name__} of {kind.__module__}") for kind in kinds)
-        wanted = ", or a ".join(named)
-        raise ParameterError(where, f"{shown(value)} is not a {wanted}")
+        wanted = ", or ".join(f"{'an' if text[0] in 'AEIO' else 'a'} {text}" for text in named)
+        raise ParameterError(where, f"{shown(value)} is not {wanted}")
 
 
 def library_message(error: BaseException) -> str:

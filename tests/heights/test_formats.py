@@ -45,6 +45,18 @@ def written(folder: Path, text: str, name: str = "heights.csv") -> Path:
     return folder / name
 
 
+def test_the_end_of_a_name_says_how_a_file_is_read(tmp_path: Path) -> None:
+    np.save(tmp_path / "heights.npy", np.array([[0, 10], [20, 0]]))
+    path, reading = tmp_path / "heights.npy", Saved()
+    assert imported(str(path)) == imported(path, reading)
+    assert imported(str(path), unit_cm=5) == imported(path, reading, 5)
+    for wrong in ("csv", Saved):
+        with pytest.raises(ParameterError, match=r"reading: .* is not an Importer of rsegen\.heights\.base"):
+            imported(path, wrong)  # type: ignore[arg-type]  # what is tested
+    with pytest.raises(ParameterError, match="path: 3 is not a path"):
+        imported(3)  # type: ignore[arg-type]  # what is tested
+
+
 @FORMAT
 def test_every_format_explains_itself_and_its_options(suffix: str) -> None:
     cls = IMPORTERS[suffix]

@@ -26,8 +26,8 @@ from rsegen.robots.sdf_file import from_file
 MODEL = (
     '<sdf version="1.6"><model name="cart"><link name="base"><collision name="c"><geometry><box><size>{side} 0.3 0.1'
     '</size></box></geometry></collision></link><joint name="l" type="revolute">'
-    "<child>lw</child><axis><xyz>0 1 0</xyz></axis></joint>"
-    '<joint name="r" type="revolute"><child>rw</child><axis><xyz>0 1 0</xyz></axis></joint>'
+    "<parent>base</parent><child>lw</child><axis><xyz>0 1 0</xyz></axis></joint>"
+    '<joint name="r" type="revolute"><parent>base</parent><child>rw</child><axis><xyz>0 1 0</xyz></axis></joint>'
     '<link name="lw"/><link name="rw"/><plugin name="d" '
     'filename="libgazebo_ros_diff_drive.so"><left_joint>l</left_joint><right_joint>r</right_joint><wheel_separation>0.3'
     "</wheel_separation><wheel_radius>0.03</wheel_radius><max_linear_velocity>{speed}</max_linear_velocity>"

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, refuse_other
 from rsegen.input_files import first_inside
 from rsegen.params.registry import Contract, Registry, name_conflict
-from rsegen.params.sorts import CENTIMETRES, Cell, validate
+from rsegen.params.sorts import CENTIMETRES, Cell, FilePath, validate
 from rsegen.recipe.recipe import Recipe
 from rsegen.writing.sidecars import RESERVED_FLAGS
 
@@ -351,15 +351,17 @@ def importer_for(path: Path) -> type[Importer]:
     return importer
 
 
-def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
+def imported(
+    path: str | Path, reading: Importer | None = None, unit_cm: float | None = None, chunk_size: int | None = None
+) -> Recipe:
     """Return the recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         The file.
-    reading : Importer
-        How it is read.
+    reading : Importer, optional
+        How it is read; by default as the end of its name says.
     unit_cm : float, optional
         Height of one level, cm; by default that of the file.
     chunk_size : int, optional
@@ -370,7 +372,17 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
     -------
     Recipe
         The recipe.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    ParameterError
+        If a value is wrong.
     """
+    path = FilePath("a file").check("path", path)
+    reading = importer_for(path)() if reading is None else reading
+    refuse_other("reading", reading, Importer)
     return recipe_of_heights(path, heights_in(path, reading, unit_cm), chunk_size)
 
 
