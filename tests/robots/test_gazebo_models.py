@@ -77,7 +77,9 @@ def test_the_body_leads_although_wheels_stand_before_it(
 
 def test_a_body_in_a_nested_model_leads(tmp_path: Path) -> None:
     robot = read(tmp_path, wheels_first("1.8", scope="in::"))
-    assert fromstring(robot.model("mine", "sim")).get("canonical_link") == "in::base"
+    model = fromstring(robot.model("mine", "sim"))
+    assert model.get("canonical_link") == "in::base"
+    assert [nested.get("canonical_link") for nested in model.findall("model")] == ["base"]
     assert first_link(fromstring(robot.model("mine", "classic"))) == "in::base"
 
 

@@ -61,11 +61,20 @@ def _lead(model: Element, body: str, first: str) -> None:
     if canonical == body == first:
         return
     if model.get("canonical_link") is not None or body not in own:
-        model.set("canonical_link", body)
+        _make_canonical(model, body)
     if body in own and body != first:
         at = list(model).index(own[first])
         model.remove(own[body])
         model.insert(at, own[body])
+
+
+def _make_canonical(model: Element, body: str) -> None:
+    """Make a link canonical, also of the nested model that has it: else Gazebo Sim says that the robot falls."""
+    model.set("canonical_link", body)
+    scope, _, own = body.partition("::")
+    for nested in model.findall("model") if own else ():
+        if nested.get("name") == scope:
+            _make_canonical(nested, own)
 
 
 def _make_flat(model: Element, frames: ModelFrames) -> None:
@@ -83,8 +92,8 @@ def _make_flat(model: Element, frames: ModelFrames) -> None:
     for joint, element in frames.joints.items():
         _put_pose(element, np.linalg.inv(places.get(frames.child(joint), np.eye(4))) @ joints[joint])
         for tag in ("parent", "child", "gearbox_reference_body"):
-            for link in element.findall(tag):
-                link.text = _in_model(joint, (link.text or "").strip(), frames)
+            for end in element.findall(tag):
+                end.text = _in_model(joint, (end.text or "").strip(), frames)
     for axis, direction in axes:
         _put_direction(axis, direction)
     named = [(name, element) for name, element in (*frames.links(), *frames.joints.items())]

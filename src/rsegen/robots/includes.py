@@ -175,7 +175,7 @@ def _own_frame(model: Element, joints: list[Element], pose: Element | None) -> l
     if not directions and not ends:
         return []
     first = model.find("link")
-    link = model.get("canonical_link") or ("" if first is None else first.get("name", ""))
+    link = model.get("canonical_link", "" if first is None else first.get("name", ""))
     frame = Element("frame", {"name": name, "attached_to": link})
     placed = Element("pose") if pose is None else deepcopy(pose)
     placed.set("relative_to", placed.get("relative_to") or "__model__")
