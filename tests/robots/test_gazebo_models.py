@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, fromstring
 import numpy as np
 import pytest
 
+from rsegen.geometry.poses import rotation
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames
 from tests.robots.two_wheels import two_wheels
@@ -76,7 +77,9 @@ def test_the_body_leads_although_wheels_stand_before_it(
 
 def test_a_body_in_a_nested_model_leads(tmp_path: Path) -> None:
     robot = read(tmp_path, wheels_first("1.8", scope="in::"))
-    assert fromstring(robot.model("mine", "sim")).get("canonical_link") == "in::base"
+    model = fromstring(robot.model("mine", "sim"))
+    assert model.get("canonical_link") == "in::base"
+    assert [nested.get("canonical_link") for nested in model.findall("model")] == ["base"]
     assert first_link(fromstring(robot.model("mine", "classic"))) == "in::base"
 
 
@@ -118,3 +121,40 @@ def test_a_model_is_flat_in_classic_and_all_is_where_it_was(tmp_path: Path) -> N
         if element.get("type") != "fixed":
             axis = [float(value) for value in (element.findtext("axis/xyz") or "").split()]
             np.testing.assert_allclose(place[:3, :3] @ axis, own.axis(joint), atol=1e-9)
+
+
+def test_both_axes_are_where_they_were_in_a_flat_model(tmp_path: Path) -> None:
+    axes = (
+        '<axis><xyz expressed_in="tilt">1 0 0</xyz></axis>'
+        "<axis2><xyz>0 1 0</xyz><use_parent_model_frame>true</use_parent_model_frame></axis2>"
+        "<gearbox_reference_body>foot</gearbox_reference_body>"
+    )
+    mast = f"""<model name="mast"><pose>0 0 0.2 0 0 0.5</pose><link name="foot"/><link name="head"/>
+      <frame name="tilt"><pose>0 0 0 0.1 0.2 0.3</pose></frame>
+      <joint name="neck" type="universal"><pose>0 0 0 0 0.4 0</pose>
+        <parent>foot</parent><child>head</child>{axes}</joint>
+    </model><joint name="stand" type="fixed"><parent>base</parent><child>mast::foot</child></joint>"""
+    robot = read(tmp_path, two_wheels().replace("</model>", f"{mast}</model>"))
+    neck = next(
+        joint for joint in fromstring(robot.model("mine", "classic")).iter("joint") if joint.get("name") == "mast::neck"
+    )
+    assert neck.findtext("gearbox_reference_body") == "mast::foot"
+    assert neck.find(".//*[@expressed_in]") is None
+    upright, place = rotation(0, 0, 0.5), robot.frames().joint("mast::neck")[:3, :3]
+    for axis, direction in (("axis", (upright @ rotation(0.1, 0.2, 0.3))[:, 0]), ("axis2", upright[:, 1])):
+        xyz = [float(value) for value in (neck.findtext(f"{axis}/xyz") or "").split()]
+        np.testing.assert_allclose(place @ xyz, direction, atol=1e-9)
+
+
+def test_plugins_of_nested_models_name_what_they_named_in_a_flat_model(tmp_path: Path) -> None:
+    plugin = (
+        '<plugin name="drive" filename="libmast.so"><joint_name>neck</joint_name><bodyName> head </bodyName>'
+        "<robot_base_frame>foot</robot_base_frame><link_name>other</link_name></plugin>"
+    )
+    mast = f"""<model name="mast"><link name="foot"/><link name="head"/>
+      <joint name="neck" type="fixed"><parent>foot</parent><child>head</child></joint>{plugin}</model>"""
+    robot = read(tmp_path, two_wheels().replace("</model>", f"{mast}</model>"))
+    model = fromstring(robot.file("mine", "classic")).find("model")
+    assert model is not None
+    moved = next(part for part in model.findall("plugin") if part.get("filename") == "libmast.so")
+    assert [part.text for part in moved] == ["mast::neck", "mast::head", "foot", "other"]

@@ -196,3 +196,26 @@ def test_models_that_include_very_many_are_refused(tmp_path: Path) -> None:
     doubling = {f"m{n}": include(f"model://m{n + 1}") * 3 for n in range(8)} | {"m8": BODY}
     with pytest.raises(FileError, match="more than 100 models are included"):
         from_file(written(tmp_path / "a", include("model://m0"), **doubling))
+
+
+@pytest.mark.parametrize("pose", ["", "<pose>0.1 0.2 0.3 0.1 0.2 0.3</pose>"])
+def test_a_merged_model_is_as_it_would_be_nested(tmp_path: Path, pose: str) -> None:
+    part = """<pose>0 0 0.02 0 0.1 0</pose>
+      <frame name="mount" attached_to="__model__"><pose>0.1 0 0 0 0 0.1</pose></frame>
+      <link name="foot"><pose relative_to="mount">0 0 0.1 0 0 0</pose></link><link name="head"/>
+      <joint name="neck" type="fixed">
+        <pose relative_to="__model__">0 0 0.1 0.1 0 0</pose><parent>__model__</parent><child>head</child>
+        <axis><xyz expressed_in="__model__">0 0.6 0.8</xyz></axis>
+      </joint>
+      <joint name="nod" type="fixed"><parent>foot</parent><child>head</child>
+        <axis><xyz>0 0.6 0.8</xyz><use_parent_model_frame>true</use_parent_model_frame></axis></joint>"""
+    merged, nested = (
+        from_file(written(tmp_path / name, BODY + include("model://part", pose, merge), part=part)).frames()
+        for name, merge in (("merged", ' merge="true"'), ("nested", ""))
+    )
+    for name in ("mount", "foot", "head"):
+        np.testing.assert_allclose(merged.transform(name), nested.transform(f"part::{name}"), atol=1e-9)
+    assert merged.parent("neck") == "foot"
+    for joint in ("neck", "nod"):
+        np.testing.assert_allclose(merged.joint(joint), nested.joint(f"part::{joint}"), atol=1e-9)
+        np.testing.assert_allclose(merged.axis(joint), nested.axis(f"part::{joint}"), atol=1e-9)

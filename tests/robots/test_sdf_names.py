@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
+import numpy as np
 import pytest
 
 from rsegen.errors import FileError
 from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.sdf_names import refuse_unknown
+from rsegen.robots.sdf_shapes import ModelFrames
 from tests.robots.two_wheels import two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 
@@ -50,6 +54,25 @@ def test_frames_of_parts_that_are_not_found_are_not_missed(tmp_path: Path) -> No
     assert any("model://mast" in remark for remark in robot.remarks)
 
 
+def test_the_frame_of_a_nested_model_is_known_by_its_name(tmp_path: Path) -> None:
+    mast = '<model name="mast"><pose>0 0 0.2 0 0 0.3</pose><link name="pole"/></model>'
+    eye = '<link name="eye"><pose relative_to="mast::__model__">0.1 0 0 0 0 0</pose></link>'
+    stand = '<joint name="stand" type="fixed"><parent>base</parent><child>mast::__model__</child></joint>'
+    robot = read(tmp_path, TURNS, mast + eye + stand + TURNS)
+    frames = robot.frames()
+    assert frames.child("stand") == "mast::pole"
+    turned = (0.1 * math.cos(0.3), 0.1 * math.sin(0.3), 0.2)
+    assert frames.transform("eye")[:3, 3] == pytest.approx(turned)
+
+
+def test_elements_of_plugins_are_no_references(tmp_path: Path) -> None:
+    link = '<link name="base">'
+    plugin = '<plugin filename="libmap.so" name="map"><pose relative_to="map">here</pose></plugin>'
+    nested = '<model name="mast"><link name="pole">{}</link></model>'
+    robot = read(tmp_path, link, nested.format(plugin) + link + plugin)
+    assert '<pose relative_to="map">here</pose>' in robot.file("mine", "classic")
+
+
 PINNED = '<joint name="pin" type="fixed"><parent>world</parent><child>base</child></joint>'
 
 
@@ -65,6 +88,25 @@ def test_a_robot_that_is_held_in_the_world_moves_freely_in_a_drive(tmp_path: Pat
         assert robot.model("mine", simulator) == free.model("mine", simulator)
         assert ("static" in robot.file("mine", simulator)) == ("static" in held)
     assert robot.without_plugins("mine") == free.without_plugins("mine")
+
+
+@pytest.mark.parametrize("is_nested", [False, True])
+def test_what_is_placed_by_a_joint_to_the_world_stays_where_it_is(tmp_path: Path, *, is_nested: bool) -> None:
+    pin = PINNED.replace("<parent>", '<pose relative_to="__model__">0.1 0 0.3 0 0 0.2</pose><parent>')
+    text = two_wheels().replace("<pose>0 0 0.02", '<pose relative_to="pin">0 0 0.02').replace(TURNS, pin + TURNS)
+    if is_nested:
+        head, name, rest = text.partition('<model name="')
+        text = f'{head}<model name="outer">{name}{rest}'.replace("</model>", "</model></model>")
+    file = tmp_path / "mine.sdf"
+    file.write_text(text)
+    robot = from_file(file)
+    assert "held in the world in its file by joint pin, and moves freely in a drive" in robot.remarks
+    base = next(name for name, _ in robot.frames().links() if name.endswith("base"))
+    for free in (robot.model("mine", "classic"), robot.model("mine", "sim"), robot.without_plugins("mine")):
+        frames = ModelFrames(fromstring(free), "free")
+        assert not any("world" in frames.parent(joint) for joint in frames.joints)
+        np.testing.assert_allclose(frames.transform(base), robot.frames().transform(base), atol=1e-9)
+        refuse_unknown(frames, is_whole=True)
 
 
 def test_a_robot_on_a_link_called_world_moves_freely_in_a_drive(tmp_path: Path) -> None:

@@ -12,17 +12,21 @@ nested model whose poses are relative to others.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.robots.sdf_elements import numbers_text, pose_text
+from rsegen.robots.sdf_elements import numbers_text, pose_text, without_plugins
 from rsegen.robots.sdf_shapes import ModelFrames
 
 _OF_LATER_VERSIONS = ("degrees", "rotation_format")
 """Attributes of poses that Gazebo Classic overlooks."""
+
+_OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
+"""Elements of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
 
 
 def fit(model: Element, where: str, simulator: str, driven: Iterable[str] = ()) -> None:
@@ -57,29 +61,43 @@ def _lead(model: Element, body: str, first: str) -> None:
     if canonical == body == first:
         return
     if model.get("canonical_link") is not None or body not in own:
-        model.set("canonical_link", body)
+        _make_canonical(model, body)
     if body in own and body != first:
         at = list(model).index(own[first])
         model.remove(own[body])
         model.insert(at, own[body])
 
 
+def _make_canonical(model: Element, body: str) -> None:
+    """Make a link canonical, also of the nested model that has it: else Gazebo Sim says that the robot falls."""
+    model.set("canonical_link", body)
+    scope, _, own = body.partition("::")
+    for nested in model.findall("model") if own else ():
+        if nested.get("name") == scope:
+            _make_canonical(nested, own)
+
+
 def _make_flat(model: Element, frames: ModelFrames) -> None:
     """Make a model one of links and joints alone, all poses in its frame, and all names as they are in it."""
     places = {link: frames.transform(link) for link, _ in frames.links()}
     joints = {joint: frames.joint(joint) for joint in frames.joints}
-    axes = {joint: frames.axis(joint) for joint in frames.joints}
-    ends = {joint: (frames.parent(joint), frames.child(joint)) for joint in frames.joints}
+    axes = [
+        (axis, joints[joint][:3, :3].T @ frames.direction(joint, axis))
+        for joint, element in frames.joints.items()
+        for tag in ("axis", "axis2")
+        for axis in element.findall(tag)
+    ]
     for link, element in frames.links():
         _put_poses_in(element, link, places[link], frames)
     for joint, element in frames.joints.items():
-        _put_pose(element, np.linalg.inv(places.get(ends[joint][1], np.eye(4))) @ joints[joint])
-        for tag, name in zip(("parent", "child"), ends[joint], strict=True):
+        _put_pose(element, np.linalg.inv(places.get(frames.child(joint), np.eye(4))) @ joints[joint])
+        for tag in ("parent", "child", "gearbox_reference_body"):
             for end in element.findall(tag):
-                end.text = name.rpartition("::")[2] if name.endswith("::world") else name
-        _put_axis(element, joints[joint][:3, :3].T @ axes[joint])
+                end.text = _in_model(joint, (end.text or "").strip(), frames)
+    for axis, direction in axes:
+        _put_direction(axis, direction)
     named = [(name, element) for name, element in (*frames.links(), *frames.joints.items())]
-    plugins = [plugin for nested in model.iter("model") if nested is not model for plugin in nested.findall("plugin")]
+    plugins = [plugin for name, nested in frames.elements.items() for plugin in _plugins_of(name, nested, frames)]
     for element in [*model.findall("frame"), *model.findall("model"), *model.findall("link"), *model.findall("joint")]:
         model.remove(element)
     for name, element in named:
@@ -97,7 +115,7 @@ def _is_overlooked(model: Element) -> bool:
 
 def _put_poses_in(link: Element, name: str, place: Array, frames: ModelFrames) -> None:
     """Give a link its pose in the model, and all that it has poses in the link."""
-    for element in [part for part in link.iter() if part is not link and part.find("pose") is not None]:
+    for element in [part for part in without_plugins(link) if part is not link and part.find("pose") is not None]:
         pose = element.find("pose")
         is_relative = pose is not None and bool(pose.get("relative_to") or pose.get("frame"))
         _put_pose(element, np.linalg.inv(place) @ frames.shape(name, element) if is_relative else frames.local(element))
@@ -112,12 +130,25 @@ def _put_pose(element: Element, place: Array) -> None:
     element.insert(0, pose)
 
 
-def _put_axis(joint: Element, direction: Array) -> None:
-    """Give a joint that has an axis its direction in the frame of the joint."""
-    axis = joint.find("axis")
-    if axis is None:
-        return
+def _put_direction(axis: Element, direction: Array) -> None:
+    """Give an axis its direction in the frame of its joint."""
     for tag in ("xyz", "use_parent_model_frame"):
         for element in axis.findall(tag):
             axis.remove(element)
     SubElement(axis, "xyz").text = numbers_text(direction)
+
+
+def _plugins_of(name: str, nested: Element, frames: ModelFrames) -> list[Element]:
+    """Return the plug-ins of a nested model, with its links and joints by the names that they have in the outer one."""
+    plugins = nested.findall("plugin") if nested.tag == "model" else []
+    for part in (part for plugin in plugins for part in plugin.iter()):
+        if _OF_THE_MODEL.search(part.tag):
+            part.text = _in_model(f"{name}::", (part.text or "").strip(), frames)
+    return plugins
+
+
+def _in_model(beside: str, name: str, frames: ModelFrames) -> str:
+    """Return the name in the model of a link or joint beside another; of what is none as it is."""
+    scope = beside.rpartition("::")[0]
+    scoped = f"{scope}::{name}" if scope else name
+    return scoped if scoped in frames.elements or scoped in frames.joints else name

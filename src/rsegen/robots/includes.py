@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -19,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.input_files import regular_content
-from rsegen.robots.sdf_elements import pose_text
+from rsegen.robots.sdf_elements import pose_text, put
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.uris import found_uri, resolve_uris
 
@@ -140,16 +141,46 @@ def _merged(model: Element) -> list[Element]:
     for element in elements:
         own = element.find("pose")
         other = "" if own is None else own.get("relative_to", own.get("frame", ""))
-        is_of_model = element.tag in ("link", "model") or (element.tag == "frame" and not element.get("attached_to"))
-        if other not in ("", "__model__") or not (is_of_model or other):
+        is_frame = element.tag == "frame" and element.get("attached_to", "") in _OF_MODEL
+        if other not in _OF_MODEL or not (element.tag in ("link", "model") or is_frame or other):
             continue
         moved = pose_text(base @ frames.local(element))
         if own is not None:
             element.remove(own)
-        placed = Element("pose", {"relative_to": relative} if relative else {})
+        placed = Element("pose", {"relative_to": relative or "__model__"} if relative or other else {})
         placed.text = moved
         element.insert(0, placed)
-    return elements
+    return [*_own_frame(model, model.findall("joint"), pose), *elements]
+
+
+_OF_MODEL = ("", "__model__")
+"""Names of the frame of a model in it."""
+
+
+def _own_frame(model: Element, joints: list[Element], pose: Element | None) -> list[Element]:
+    """Return the frame that a merged model had, if its joints name it, and make them name that."""
+    name = f"_merged__{model.get('name', '')}__model__"
+    axes = [axis for joint in joints for tag in ("axis", "axis2") for axis in joint.findall(tag)]
+    for axis in [axis for axis in axes if (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true")]:
+        for flag in axis.findall("use_parent_model_frame"):
+            axis.remove(flag)
+        put(axis, "xyz", axis.findtext("xyz") or "0 0 1")
+        axis.findall("xyz")[0].set("expressed_in", "__model__")
+    directions = [xyz for axis in axes for xyz in axis.findall("xyz") if xyz.get("expressed_in") == "__model__"]
+    ends = [end for joint in joints for end in joint if (end.text or "").strip() == "__model__"]
+    for xyz in directions:
+        xyz.set("expressed_in", name)
+    for end in ends:
+        end.text = name
+    if not directions and not ends:
+        return []
+    first = model.find("link")
+    link = model.get("canonical_link", "" if first is None else first.get("name", ""))
+    frame = Element("frame", {"name": name, "attached_to": link})
+    placed = Element("pose") if pose is None else deepcopy(pose)
+    placed.set("relative_to", placed.get("relative_to") or "__model__")
+    frame.append(placed)
+    return [frame]
 
 
 def _take_out_joints(model: Element, lost: list[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
@@ -55,6 +55,14 @@ def append_inertial(link: Element, body: Mass) -> None:
     put(link, "inertial/mass", numbers_text([body.mass]))
     for name, value in zip(MOMENTS, body.tensor[np.triu_indices(3)], strict=True):
         put(link, f"inertial/inertia/{name}", numbers_text([value]))
+
+
+def without_plugins(element: Element) -> Iterator[Element]:
+    """Yield an element and all that is in it, but plug-ins, whose elements have meanings of their own."""
+    yield element
+    for part in element:
+        if part.tag != "plugin":
+            yield from without_plugins(part)
 
 
 def pose_text(transform: Array) -> str:

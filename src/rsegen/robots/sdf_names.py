@@ -10,16 +10,17 @@ from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
+from rsegen.robots.sdf_elements import without_plugins
 from rsegen.robots.sdf_shapes import ModelFrames
 
 _TYPES = ("revolute", "continuous", "revolute2", "prismatic", "fixed", "ball", "universal", "screw", "gearbox")
 """Types of joints in SDF."""
 
-_EVERYWHERE = ("", "world", "__model__")
-"""Names of frames that each model has."""
-
 _REFERENCES = ("relative_to", "attached_to", "expressed_in")
 """Attributes that name a frame."""
+
+_EVERYWHERE = ("", "world", "__model__")
+"""Names of frames that each model has."""
 
 
 def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
@@ -37,12 +38,12 @@ def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
         scope = name.rpartition("::")[0]
         for tag in ("parent", "child"):
             own = (joint.findtext(tag) or "").strip()
-            if not own or not {own, _scoped(scope, own)} & known:
+            if not own or not {own, _frame(scope, own)} & known:
                 problem = f"there is no link {shown(own)}" if own else f"it has no <{tag}>"
                 raise FileError(f"{frames.where}: joint {shown(name)}: {problem}")
     for name, attribute, frame in _references(frames) if is_whole else ():
         scope = name.rpartition("::")[0]
-        if frame not in _EVERYWHERE and _scoped(scope, frame) not in known:
+        if frame not in _EVERYWHERE and _frame(scope, frame) not in known:
             raise FileError(
                 f"{frames.where}: {attribute}={shown(frame)} at {shown(name)}: there is no such link, frame or joint"
             )
@@ -51,29 +52,56 @@ def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
 def _references(frames: ModelFrames) -> Iterator[tuple[str, str, str]]:
     """Yield the links, frames, models and joints that name a frame, or whose parts do, the attribute and the frame."""
     for name, element in (*frames.elements.items(), *frames.joints.items()):
-        parts = [element, *element.findall("pose")] if element.tag == "model" else element.iter()
+        parts = [element, *element.findall("pose")] if element.tag == "model" else without_plugins(element)
         for part in parts:
             yield from ((name, attribute, part.get(attribute, "")) for attribute in _REFERENCES)
 
 
-def _scoped(scope: str, name: str) -> str:
-    return f"{scope}::{name}" if scope else name
+def _frame(scope: str, name: str) -> str:
+    """Return the name of a frame in the whole model; that of a nested model is the model's."""
+    return (f"{scope}::{name}" if scope else name).removesuffix("::__model__")
 
 
 def ties_to_world(model: Element) -> list[str]:
-    """Return what holds a model in the world, in words."""
-    is_static = (model.findtext("static") or "").strip() in ("1", "true")
-    return [*(["<static>"] if is_static else []), *(f"joint {joint.get('name')}" for joint in _to_the_world(model))]
+    """Return what holds a model, or one nested in it, in the world, in words."""
+    is_static = any((static.text or "").strip() in ("1", "true") for static in _statics(model))
+    pins = (f"joint {joint.get('name')}" for _, joint in _to_the_world(model))
+    return [*(["<static>"] if is_static else []), *pins]
 
 
 def let_go(model: Element) -> None:
-    """Take out of a model what holds it in the world, as a robot that drives moves freely."""
-    for element in [*model.findall("static"), *_to_the_world(model)]:
-        model.remove(element)
+    """Take out of a model what holds it in the world, as a robot that drives moves freely.
+
+    A frame stays where a joint was, if its name is used: poses may be relative to the joint.
+    """
+    for holder in model.iter("model"):
+        for static in holder.findall("static"):
+            holder.remove(static)
+    for holder, joint in _to_the_world(model):
+        name, child = joint.get("name", ""), (joint.findtext("child") or "").strip()
+        at = list(holder).index(joint)
+        holder.remove(joint)
+        if name in _used(model):
+            frame = Element("frame", {"name": name} | ({"attached_to": child} if child != "world" else {}))
+            frame.extend(joint.findall("pose"))
+            holder.insert(at, frame)
 
 
-def _to_the_world(model: Element) -> list[Element]:
-    ends = ("parent", "child")
+def _statics(model: Element) -> Iterator[Element]:
+    for holder in model.iter("model"):
+        yield from holder.findall("static")
+
+
+def _to_the_world(model: Element) -> list[tuple[Element, Element]]:
+    """Return the joints that hang on the world, or hold it, each after the model that has it."""
     return [
-        joint for joint in model.findall("joint") if "world" in [(joint.findtext(tag) or "").strip() for tag in ends]
+        (holder, joint)
+        for holder in model.iter("model")
+        for joint in holder.findall("joint")
+        if "world" in [(joint.findtext(tag) or "").strip() for tag in ("parent", "child")]
     ]
+
+
+def _used(model: Element) -> set[str]:
+    """Return the names of frames, without those of their models, that a model names."""
+    return {part.get(name, "").rpartition("::")[2] for part in model.iter() for name in (*_REFERENCES, "frame")}

@@ -66,6 +66,7 @@ class ModelFrames:
         """Return the pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:
             raise FileError(f"{self.where}: the pose of {shown(name)} is relative to itself")
+        name = name.removesuffix("::__model__")
         element = self.elements.get(name, self.joints.get(name))
         return np.eye(4) if element is None else self._placed(name, element, depth)
 
@@ -144,13 +145,16 @@ class ModelFrames:
 
     def axis(self, joint: str) -> Array:
         """Return the direction of a joint's axis in the model's frame, (3,)."""
-        element = self.joints[joint]
-        direction = element.find("axis/xyz")
+        return self.direction(joint, self.joints[joint].find("axis"))
+
+    def direction(self, joint: str, axis: Element | None) -> Array:
+        """Return the direction of one of a joint's axes in the model's frame, (3,); its z for none."""
+        axis = Element("axis") if axis is None else axis
+        direction, scope = axis.find("xyz"), joint.rpartition("::")[0]
         xyz = np.array([0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where))
-        if (element.findtext("axis/use_parent_model_frame") or "").strip() in ("1", "true"):
-            return xyz
         frame = "" if direction is None else direction.get("expressed_in", "")
-        scope = joint.rpartition("::")[0]
+        if (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true"):
+            frame = "__model__"
         turned = self.transform(_in_scope(scope, frame)) if frame else self.joint(joint)
         return np.asarray(turned[:3, :3] @ xyz)
 
