@@ -48,6 +48,12 @@ def test_what_a_model_has_not_is_refused(tmp_path: Path, old: str, new: str, pro
         read(tmp_path, old, new)
 
 
+def test_types_of_joints_may_have_large_letters(tmp_path: Path) -> None:
+    robot = read(tmp_path, TURNS, TURNS.replace("revolute", "Revolute"))
+    assert robot.drive == read(tmp_path).drive
+    assert robot.text == read(tmp_path).text
+
+
 def test_frames_of_parts_that_are_not_found_are_not_missed(tmp_path: Path) -> None:
     eye = '<link name="eye"><pose relative_to="mast">0 0 0.1 0 0 0</pose></link>'
     robot = read(tmp_path, TURNS, f"<include><uri>model://mast</uri></include>{eye}{TURNS}")

@@ -48,7 +48,7 @@ from rsegen.robots.sdf_drives import (
     plugin_problem,
 )
 from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
-from rsegen.robots.sdf_names import refuse_unknown, ties_to_world
+from rsegen.robots.sdf_names import refuse_unknown, spell_types, ties_to_world
 from rsegen.robots.sdf_shapes import (
     Extents,
     ModelFrames,
@@ -144,7 +144,7 @@ class SdfRobot(RobotOnField):
             raise ParameterError(
                 self.kind,
                 f"no wheels or tracks: {self.undriven or nowhere}; name them with tracks='LEFT,RIGHT', or"
-                f" wheels='LEFT,RIGHT'{joints};"
+                f" wheels='LEFT,RIGHT'{joints}, which rsegen drive and rsegen predict take;"
                 " without them it only stands, with rsegen spawn",
             )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
@@ -342,6 +342,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
     includes.put_into(model, Path(where))
     model.attrib.pop("placement_frame", None)  # rsegen places the model by its origin
+    spell_types(model)
     missing = list(includes.missing)
     if model.find(".//link") is None:
         advice = f"; {some_of(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""

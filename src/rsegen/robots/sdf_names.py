@@ -23,6 +23,12 @@ _EVERYWHERE = ("", "world", "__model__")
 """Names of frames that each model has."""
 
 
+def spell_types(model: Element) -> None:
+    """Write the types of joints in small letters; Gazebo Sim reads them in any."""
+    for joint in model.iter("joint"):
+        joint.set("type", joint.get("type", "").lower())
+
+
 def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
     """Raise a FileError for a joint of an unknown type, or a name of a link or frame that a model has not.
 
