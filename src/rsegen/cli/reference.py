@@ -77,9 +77,12 @@ def run_obstacles(arguments: argparse.Namespace) -> Report:
     if arguments.kind is not None:
         KINDS.named(arguments.kind, "KIND")
     kinds = list(KINDS) if arguments.kind is None else [arguments.kind]
-    known = schema()["properties"]["obstacles"]["items"]["oneOf"]
-    content = [each for each in known if each["properties"]["kind"]["const"] in kinds]
-    return Report(lines=_described(kinds), content=content)
+
+    def schemas() -> list[object]:
+        known = schema()["properties"]["obstacles"]["items"]["oneOf"]
+        return [each for each in known if each["properties"]["kind"]["const"] in kinds]
+
+    return Report(lines=_described(kinds), content=schemas)
 
 
 def _described(kinds: Sequence[str]) -> Iterator[str]:

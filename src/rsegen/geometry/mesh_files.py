@@ -33,6 +33,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.geometry.poses import pose_matrix, turn_about
 from rsegen.input_files import read_by_library, text_of, xml_root
 
 MAX_MESH_MIB = 64
@@ -169,23 +170,13 @@ def _turned(numbers: Array) -> Array:
     """Return the rotation, (4, 4), about an axis x, y, z by an angle in degrees."""
     *axis, angle = numbers
     x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    pose = np.eye(4)
-    pose[:3, :3] += np.sin(radians(angle)) * cross + (1 - np.cos(radians(angle))) * cross @ cross  # Rodrigues
-    return pose
-
-
-def _moved(numbers: Array) -> Array:
-    """Return the pose, (4, 4), of a frame at x, y, z."""
-    pose = np.eye(4)
-    pose[:3, 3] = numbers
-    return pose
+    return pose_matrix((0, 0, 0), turn_about((x, y, z), radians(angle)))
 
 
 _TRANSFORMS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     {
         "matrix": lambda numbers: numbers.reshape(4, 4),
-        "translate": _moved,
+        "translate": pose_matrix,
         "rotate": _turned,
         "scale": lambda numbers: np.diag([*numbers, 1.0]),
     }

@@ -20,7 +20,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array
 from rsegen.robots.sdf_elements import numbers_text, pose_text, without_plugins
-from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.sdf_shapes import ModelFrames, in_scope
 
 _OF_LATER_VERSIONS = ("degrees", "rotation_format")
 """Attributes of poses that Gazebo Classic overlooks."""
@@ -29,12 +29,12 @@ _OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
 """Elements of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
 
 
-def fit(model: Element, where: str, simulator: str, driven: Iterable[str] = ()) -> None:
-    """Write a model as a Gazebo reads it, led by the link on which it hangs; names in its plug-ins stay what they are.
+def fit(model: Element, frames: ModelFrames, simulator: str, driven: Iterable[str] = ()) -> None:
+    """Write a model as a Gazebo reads it, led by the link on which it hangs; its own plug-ins keep the names in them.
 
-    driven: links that are wheels or tracks, of which the first one says which body counts, if there are several
+    frames: of the model; driven: links that are wheels or tracks, of which the first one says which body counts, if
+    there are several
     """
-    frames = ModelFrames(model, where)
     body = _body(frames, driven)
     if simulator == "classic" and _is_overlooked(model):
         _make_flat(model, frames)
@@ -149,6 +149,5 @@ def _plugins_of(name: str, nested: Element, frames: ModelFrames) -> list[Element
 
 def _in_model(beside: str, name: str, frames: ModelFrames) -> str:
     """Return the name in the model of a link or joint beside another; of what is none as it is."""
-    scope = beside.rpartition("::")[0]
-    scoped = f"{scope}::{name}" if scope else name
+    scoped = in_scope(beside.rpartition("::")[0], name)
     return scoped if scoped in frames.elements or scoped in frames.joints else name

@@ -20,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.input_files import regular_content
-from rsegen.robots.sdf_elements import pose_text, put
+from rsegen.robots.sdf_elements import is_true, pose_text, put
 from rsegen.robots.sdf_shapes import ModelFrames
 from rsegen.robots.uris import found_uri, resolve_uris
 
@@ -161,7 +161,7 @@ def _own_frame(model: Element, joints: list[Element], pose: Element | None) -> l
     """Return the frame that a merged model had, if its joints name it, and make them name that."""
     name = f"_merged__{model.get('name', '')}__model__"
     axes = [axis for joint in joints for tag in ("axis", "axis2") for axis in joint.findall(tag)]
-    for axis in [axis for axis in axes if (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true")]:
+    for axis in [axis for axis in axes if is_true(axis.findtext("use_parent_model_frame"))]:
         for flag in axis.findall("use_parent_model_frame"):
             axis.remove(flag)
         put(axis, "xyz", axis.findtext("xyz") or "0 0 1")

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from rsegen.robots.sdf_elements import numbers_text, put
-from rsegen.robots.sdf_shapes import ModelFrames, floats
+from rsegen.robots.sdf_shapes import ModelFrames, floats, in_scope
 
 MOVING = ("revolute", "continuous", "prismatic")
 """Types of joints with one angle or way, which may follow, lead and be held; others are screws, balls and gears."""
@@ -46,7 +46,7 @@ def mimics(frames: ModelFrames) -> dict[str, Mimic]:
             continue
         scope, where = name.rpartition("::")[0], f"{frames.where}: <mimic> of joint {name}"
         own = (element.get("joint") or "").strip()
-        leader = f"{scope}::{own}" if scope else own
+        leader = in_scope(scope, own)
         if leader in frames.joints and frames.joints[leader].get("type") in MOVING:
             (multiplier,) = floats(element.findtext("multiplier", "1"), 1, where)
             (offset,) = floats(element.findtext("offset", "0"), 1, where)

@@ -19,7 +19,7 @@ import numpy as np
 from rsegen.driving.routes import followed
 from rsegen.errors import FileError, ParameterError, UserError, line_of
 from rsegen.field.stepfield import Array, StepField
-from rsegen.geometry.poses import rotation
+from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metrics, nested
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
@@ -179,8 +179,7 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
     for part, surface in zip(body.parts, body.by_part(body.surface), strict=True):
         if link not in (None, part.name.rpartition("::")[0]) or not len(surface):
             continue
-        pose = np.eye(4)
-        pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
+        pose = pose_matrix((surface.min(axis=0) + surface.max(axis=0)) / 2)
         yield _part("box", np.ptp(surface, axis=0).tolist(), pose, None, wheel=part.drives)
 
 

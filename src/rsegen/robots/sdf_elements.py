@@ -57,6 +57,11 @@ def append_inertial(link: Element, body: Mass) -> None:
         put(link, f"inertial/inertia/{name}", numbers_text([value]))
 
 
+def is_true(text: str | None) -> bool:
+    """Return whether the text of an element says yes."""
+    return (text or "").strip() in ("1", "true")
+
+
 def without_plugins(element: Element) -> Iterator[Element]:
     """Yield an element and all that is in it, but plug-ins, whose elements have meanings of their own."""
     yield element

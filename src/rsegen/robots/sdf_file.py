@@ -285,8 +285,9 @@ class SdfRobot(RobotOnField):
         self._refuse_inline_meshes(model)
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
-        driven = self.read_drive.drive.links(ModelFrames(model, self.kind).child) if self.read_drive else ()
-        fit(model, self.kind, simulator, sorted(driven))
+        frames = ModelFrames(model, self.kind)
+        driven = self.read_drive.drive.links(frames.child) if self.read_drive else ()
+        fit(model, frames, simulator, sorted(driven))
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
-from rsegen.robots.sdf_elements import without_plugins
-from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.sdf_elements import is_true, without_plugins
+from rsegen.robots.sdf_shapes import ModelFrames, in_scope
 
 _TYPES = ("revolute", "continuous", "revolute2", "prismatic", "fixed", "ball", "universal", "screw", "gearbox")
 """Types of joints in SDF."""
@@ -65,12 +65,12 @@ def _references(frames: ModelFrames) -> Iterator[tuple[str, str, str]]:
 
 def _frame(scope: str, name: str) -> str:
     """Return the name of a frame in the whole model; that of a nested model is the model's."""
-    return (f"{scope}::{name}" if scope else name).removesuffix("::__model__")
+    return in_scope(scope, name).removesuffix("::__model__")
 
 
 def ties_to_world(model: Element) -> list[str]:
     """Return what holds a model, or one nested in it, in the world, in words."""
-    is_static = any((static.text or "").strip() in ("1", "true") for static in _statics(model))
+    is_static = any(is_true(static.text) for _, static in _statics(model))
     pins = (f"joint {joint.get('name')}" for _, joint in _to_the_world(model))
     return [*(["<static>"] if is_static else []), *pins]
 
@@ -80,9 +80,8 @@ def let_go(model: Element) -> None:
 
     A frame stays where a joint was, if its name is used: poses may be relative to the joint.
     """
-    for holder in model.iter("model"):
-        for static in holder.findall("static"):
-            holder.remove(static)
+    for holder, static in _statics(model):
+        holder.remove(static)
     for holder, joint in _to_the_world(model):
         name, child = joint.get("name", ""), (joint.findtext("child") or "").strip()
         at = list(holder).index(joint)
@@ -93,9 +92,9 @@ def let_go(model: Element) -> None:
             holder.insert(at, frame)
 
 
-def _statics(model: Element) -> Iterator[Element]:
-    for holder in model.iter("model"):
-        yield from holder.findall("static")
+def _statics(model: Element) -> list[tuple[Element, Element]]:
+    """Return the elements that hold models in the world, each after the model that has it."""
+    return [(holder, static) for holder in model.iter("model") for static in holder.findall("static")]
 
 
 def _to_the_world(model: Element) -> list[tuple[Element, Element]]:

@@ -23,6 +23,7 @@ from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
+from rsegen.robots.sdf_elements import is_true
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -87,7 +88,7 @@ class ModelFrames:
         return {self.child(name): name for name in self.joints}
 
     def _link(self, joint: str, tag: str) -> str:
-        return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
+        return in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
 
     def attached(self, name: str) -> str:
         """Return the link that a frame, a joint or a nested model is attached to; of a link, or nothing, its name."""
@@ -99,7 +100,7 @@ class ModelFrames:
             elif own == "__model__" or (element is not None and element.tag == "model"):
                 name = self._canonical(scope if own == "__model__" else name)
             elif element is not None and element.tag == "frame":
-                name = _in_scope(scope, element.get("attached_to", "") or "__model__")
+                name = in_scope(scope, element.get("attached_to", "") or "__model__")
             else:
                 return name
         raise FileError(f"{self.where}: {shown(name)} is attached to itself")
@@ -109,7 +110,7 @@ class ModelFrames:
         model = self.elements[scope] if scope else self._model
         first = next((name for name, _ in self.links() if name.startswith(f"{scope}::" if scope else "")), "")
         own = model.get("canonical_link", "")
-        return _in_scope(scope, own) if own else first
+        return in_scope(scope, own) if own else first
 
     def links(self) -> Iterator[tuple[str, Element]]:
         """Yield the links with their names."""
@@ -128,7 +129,7 @@ class ModelFrames:
         if not other:  # a joint is relative to its child, a frame to what it is attached to, a shape to its link
             child, base = (element.findtext("child") or "").strip(), element.get("attached_to", "")
             other = {"joint": child, "frame": base, "collision": own, "visual": own}.get(element.tag, "")
-        base = scope if other in ("", "__model__") else _in_scope(scope, other)
+        base = scope if other in ("", "__model__") else in_scope(scope, other)
         return self.transform(base, depth + 1) @ self.local(element)
 
     def local(self, element: Element) -> Array:
@@ -153,9 +154,9 @@ class ModelFrames:
         direction, scope = axis.find("xyz"), joint.rpartition("::")[0]
         xyz = np.array([0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where))
         frame = "" if direction is None else direction.get("expressed_in", "")
-        if (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true"):
+        if is_true(axis.findtext("use_parent_model_frame")):
             frame = "__model__"
-        turned = self.transform(_in_scope(scope, frame)) if frame else self.joint(joint)
+        turned = self.transform(in_scope(scope, frame)) if frame else self.joint(joint)
         return np.asarray(turned[:3, :3] @ xyz)
 
 
@@ -182,7 +183,7 @@ def hang_on_links(frames: ModelFrames) -> None:
         scope = name.rpartition("::")[0]
         for end in (element for tag in ("parent", "child") for element in joint.findall(tag)):
             own = (end.text or "").strip()
-            link = frames.attached(_in_scope(scope, own)).removeprefix(f"{scope}::" if scope else "")
+            link = frames.attached(in_scope(scope, own)).removeprefix(f"{scope}::" if scope else "")
             if link == own:
                 continue
             if end.tag == "child":  # whose frame is that of the joint
@@ -217,7 +218,8 @@ def positive_number(element: Element, where: str, *paths: str) -> float | None:
     return value if value > 0 else None
 
 
-def _in_scope(scope: str, name: str) -> str:
+def in_scope(scope: str, name: str) -> str:
+    """Return the name in the model of what has a name in a nested model, its scope; empty for the model itself."""
     return f"{scope}::{name}" if scope else name
 
 

@@ -30,6 +30,7 @@ from rsegen.robots.sdf_elements import (
     NO_MASS,
     Mass,
     append_inertial,
+    is_true,
     moved,
     numbers_text,
     pose_text,
@@ -264,7 +265,7 @@ def _heads(
         if joint and not kept and bodies[name].mass:
             of_joint = extensions.get(joint.name, {}) if bodies[joint.parent].mass else {}
             kept = name in separate or any(
-                _is_true(_value(element)) for tag in _KEEPS for element in of_joint.get(tag, ())
+                is_true(_value(element)) for tag in _KEEPS for element in of_joint.get(tag, ())
             )
         heads[name] = name if joint is None or kept else heads[joint.parent]
     return heads
@@ -336,7 +337,7 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
     for tag, elements in source.extensions.get(name, {}).items():
         text = _value(elements[-1])
         if tag == "turnGravityOff":
-            put(link, "gravity", "false" if _is_true(text) else "true")
+            put(link, "gravity", "false" if is_true(text) else "true")
         elif tag in _OF_LINK:
             put_all(link, _OF_LINK[tag], text)
         elif tag not in _ELSEWHERE:
@@ -469,7 +470,3 @@ def _put_number(element: Element, path: str, text: str, where: str) -> None:
 def _value(extension: Element) -> str:
     """Return the value of an element in <gazebo>, as <mu1>1</mu1> or <mu1 value="1"/>."""
     return extension.get("value") or (extension.text or "").strip()
-
-
-def _is_true(text: str | None) -> bool:
-    return (text or "").strip() in ("1", "true")

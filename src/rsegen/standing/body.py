@@ -20,6 +20,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, make_read_only, read_only_copies
+from rsegen.geometry.poses import pose_matrix
 
 _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
@@ -404,8 +405,7 @@ def body_of_size(length: float, width: float) -> Body:
     It is as high as it is long or wide, whichever is less, since nothing is known of its height.
     """
     height = min(length, width)
-    at = np.eye(4)
-    at[2, 3] = height / 2
+    at = pose_matrix((0, 0, height / 2))
     distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
     solid = sampled_box((length, width, height), distance)
     return body_of_shapes(
