@@ -14,6 +14,7 @@ from rsegen.driving import certainty
 from rsegen.driving.planning import predictions
 from rsegen.errors import NoSimulator, ParameterError
 from rsegen.field.crossing import CrossingModel
+from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe_file import answered
 from rsegen.robots.base import ROBOTS
@@ -116,6 +117,8 @@ def test_a_flag_asks_over_a_recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         ({"crossable_by": "jackal:2"}, r"crossable_by: 2\.0 is outside 0\.5\.\.0\.95"),
         ({"crossable_by": "jackal:sure"}, r"crossable_by: 'sure' is not a number"),
         ({"crossable_by": "jackal:"}, "crossable_by: '' is not a number"),
+        ({"crossable_by": "rover.xacro wheels:=4"}, "crossable_by: 'rover.xacro wheels:=4' is a file, and a recipe"),
+        ({"crossable_by": "rover.xacro wheels:=4:0.9"}, "crossable_by: 'rover.xacro wheels:=4:0.9' is a file"),
         ({"crossable_by": "jakal:0.9"}, "crossable_by: unknown robot 'jakal'.*did you mean 'jackal'"),
         ({"crossable_by": "jackal:0.9", "crossable_room": 0.4}, "crossable_room: cannot be set together with"),
     ],
@@ -123,6 +126,12 @@ def test_a_flag_asks_over_a_recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_what_cannot_be_asked_is_refused(asked: dict[str, object], says: str) -> None:
     with pytest.raises(ParameterError, match=says):
         answered(decode, asked)
+
+
+def test_a_path_is_taken_in_brackets_as_recipes_have_it() -> None:
+    sort = parameters(rsegen.Recipe)["crossable_by"]
+    for text in ("10,20,53", "[10, 20, 53]"):
+        assert sort.check("", sort.parse(text)) == (10, 20, 53)
 
 
 def test_a_recipe_itself_has_no_certainty() -> None:

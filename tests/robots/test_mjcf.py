@@ -419,10 +419,10 @@ def test_a_missing_mujoco_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_rsegen_robot_lists_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robot", str(two_wheels_mjcf(tmp_path)), "--json"]) == 0
     figures = {figure["name"]: figure for figure in json.loads(capsys.readouterr().out)["figures"]}
-    assert figures["mass"]["value"] == "3.5 kg"
+    assert (figures["mass"]["value"], figures["mass"]["unit"]) == (3.5, "kg")
     assert figures["speed"]["origin"] == "its actuators"
-    assert figures["motor"]["value"] == "1.5 Nm"
-    assert figures["friction"]["value"] == "0.9"
+    assert (figures["motor"]["value"], figures["motor"]["unit"]) == ([1.5], "Nm")
+    assert figures["friction"]["value"] == [0.9]
 
 
 def test_metrics_of_it_are_those_of_the_same_robot_in_sdf(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ def listed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
 def figures(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, tuple[str, str]]:
     assert main(["robot", *words, "--json"]) == 0
     content: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return {figure["name"]: (figure["value"], figure["origin"]) for figure in content["figures"]}
+    return {figure["name"]: (figure["text"], figure["origin"]) for figure in content["figures"]}
 
 
 def test_each_figure_has_its_origin(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,6 +40,26 @@ def test_each_figure_has_its_origin(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found["motor"][0] == "no limit"
     assert found["motor"][1].startswith("neither an <effort> of its joint nor the torque of a plug-in")
     assert found["shapes"] == ("4", "its <collision>: box 1, sphere 1, cylinder 2")
+
+
+def test_what_has_a_unit_is_in_numbers_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robot", "burger", "--json"]) == 0
+    found = {figure["name"]: figure for figure in json.loads(capsys.readouterr().out)["figures"]}
+    in_numbers = {name: figure["value"] for name, figure in found.items() if figure["unit"]}
+    burger = ROBOTS["burger"]
+    assert in_numbers == {
+        "mass": round(burger.mass, 9),
+        "size": list(burger.size),
+        "separation": burger.drive.separation,
+        "radius": burger.drive.radius,
+        "speed": burger.speed,
+        "turn rate": burger.turn,
+        "balance": in_numbers["balance"],
+        "clearance": in_numbers["clearance"],
+    }
+    ahead, high = in_numbers["balance"]
+    assert found["balance"]["text"] == f"{-ahead:.3f} m behind, {high:.3f} m high"
+    assert found["clearance"]["text"] == f"{in_numbers['clearance']:.3f} m"
 
 
 def test_the_source_of_a_kind_is_printed_once_and_is_the_origin_of_each_figure(

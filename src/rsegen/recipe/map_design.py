@@ -66,6 +66,12 @@ class DifficultySort:
         return "a number from 0 to 1, or a range as in [0.2, 1] or, in 10 steps, [0.2, 1, 10]"
 
 
+def asked_certainty(asked: str) -> tuple[str, str] | None:
+    """Return the robot and the certainty of a text such as `crawler:0.9`; None if it asks for none, as `FILE A:=1`."""
+    robot, colon, share = asked.partition(":")
+    return (robot, share) if colon and not share.startswith("=") else None
+
+
 @dataclass(frozen=True)
 class CrossableBySort:
     """A kind of robot that crosses every map, or the climb, drop and width [cm] of a path of cells."""
@@ -74,7 +80,7 @@ class CrossableBySort:
 
     def check(self, where: str, value: object) -> str | tuple[float, ...]:
         if isinstance(value, str):
-            if ":" in value:  # a recipe has what came out of it
+            if asked_certainty(value):  # a recipe has what came out of it
                 problem = f"{shown(value)} asks for a certainty, which files, flags and rsegen.with_certainty answer"
                 raise ParameterError(where, problem)
             robot_that_crosses(value, where, kind_only=True)
@@ -82,7 +88,7 @@ class CrossableBySort:
         return _FIGURES.check(where, value)
 
     def parse(self, text: str) -> object:
-        return _FIGURES.parse(text) if text[:1].isdecimal() or not text else text
+        return _FIGURES.parse(text) if text.lstrip("[ ")[:1].isdecimal() or not text else text
 
     def format(self, value: Any) -> str:
         return value if isinstance(value, str) else _FIGURES.format(value)

@@ -17,6 +17,7 @@ from rsegen.params.capabilities import hooks
 from rsegen.params.sorts import FilePath, Float, Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.map_design import asked_certainty
 from rsegen.recipe.recipe import Recipe
 
 MAX_RECIPE_MIB = {".json": 64, ".yaml": 4}
@@ -103,9 +104,9 @@ def answered(make: Callable[[Any], Recipe], content: Any) -> Recipe:
     and its version. So drives decide once how much room to spare the lanes need, and a recipe has that.
     """
     asked = content.get("crossable_by") if isinstance(content, Mapping) else None
-    robot, colon, share = asked.partition(":") if isinstance(asked, str) else ("", "", "")
-    if not colon:
+    if not isinstance(asked, str) or not (parts := asked_certainty(asked)):
         return make(content)
+    robot, share = parts
     with inside("crossable_by"):
         certainty = CERTAINTY.check("", CERTAINTY.parse(share))
     if "crossable_room" in content:

@@ -27,11 +27,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Figure:
-    """A figure of a robot, as text with its unit, and its origin in words."""
+    """A figure of a robot in words, as numbers with their unit where it has some, and its origin in words."""
 
     name: str
-    value: str
+    text: str
     origin: str
+    value: float | Sequence[float] | None = None
+    unit: str = ""
+
+
+_DIGITS = 9
+"""Decimals of a figure: those that sums of floats add behind them mean nothing."""
+
+
+def _measured(name: str, value: float | Sequence[float], unit: str, origin: str = "") -> Figure:
+    """Return a figure of one number, or the sides of a size."""
+    if isinstance(value, Sequence):
+        text, value = " x ".join(f"{side:.3f}" for side in value), [round(side, _DIGITS) for side in value]
+    else:
+        text, value = f"{value:.4g}", round(value, _DIGITS)
+    return Figure(name=name, text=f"{text} {unit}", origin=origin, value=value, unit=unit)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -123,7 +138,7 @@ def _content(kind: str, robot: Robot) -> dict[str, Any]:
         "kind": kind,
         "title": robot.title,
         "size": list(robot.size),
-        "mass": round(robot.mass, 6),
+        "mass": round(robot.mass, _DIGITS),
         "drive": _drive_in_words(robot),
         "speed": robot.speed,
         "turn": robot.turn,
@@ -160,10 +175,10 @@ _LEAST = 16
 def _rows(figures: Sequence[Figure], width: int) -> Iterator[str]:
     """Yield the lines of a table of figures, each at most `width` letters long: long texts go on in the next line."""
     names, values, origins = (
-        max(map(len, column)) for column in zip(*((f.name, f.value, f.origin) for f in figures), strict=True)
+        max(map(len, column)) for column in zip(*((f.name, f.text, f.origin) for f in figures), strict=True)
     )
     room = width - names - 4  # two blanks between columns
-    broken = [_broken(figure.value, max(room - min(origins, room // 2), _LEAST)) for figure in figures]
+    broken = [_broken(figure.text, max(room - min(origins, room // 2), _LEAST)) for figure in figures]
     values = max(len(line) for lines in broken for line in lines)
     for figure, value_lines in zip(figures, broken, strict=True):
         columns = ([figure.name], value_lines, _broken(figure.origin, max(room - values, _LEAST)))
@@ -187,7 +202,7 @@ def _with_shared_origin(figures: Sequence[Figure]) -> list[Figure]:
     if len({figure.origin for figure in figures}) > 1:
         return list(figures)
     bare = [replace(figure, origin="") for figure in figures]
-    return [*bare, Figure(name="source", value=figures[0].origin, origin="")]
+    return [*bare, Figure(name="source", text=figures[0].origin, origin="")]
 
 
 def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:
@@ -199,17 +214,17 @@ def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Rep
 def _of_kind(robot: Robot) -> Iterator[Figure]:
     """Yield the figures of one of rsegen's robots, which all have one source."""
     drive = robot.drive
-    for name, value in (
-        ("mass", f"{robot.mass:.4g} kg"),
-        ("size", _metres(robot.size)),
-        ("drive", " and ".join(drive.side_names)),
-        ("separation", f"{drive.separation:.4g} m"),
-        ("radius", f"{drive.radius:.4g} m"),
-        ("speed", f"{robot.speed:.4g} m/s"),
-        ("turn rate", f"{robot.turn:.4g} rad/s"),
+    for figure in (
+        _measured("mass", robot.mass, "kg"),
+        _measured("size", robot.size, "m"),
+        Figure(name="drive", text=" and ".join(drive.side_names), origin=""),
+        _measured("separation", drive.separation, "m"),
+        _measured("radius", drive.radius, "m"),
+        _measured("speed", robot.speed, "m/s"),
+        _measured("turn rate", robot.turn, "rad/s"),
+        *_of_stance(robot),
     ):
-        yield Figure(name=name, value=value, origin=robot.source)
-    yield from (replace(figure, origin=robot.source) for figure in _of_stance(robot))
+        yield replace(figure, origin=robot.source)
 
 
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
@@ -225,14 +240,15 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     origins = [f"the <inertial> of {_links(len(masses) - len(bare))}"] if len(masses) > len(bare) else []
     origins += [f"1 kg each, as SDF has it, for {_links(len(bare))} without a mass"] if bare else []
     mass = sum(body.mass for body in masses.values())
-    yield Figure(name="mass", value=f"{mass:.4g} kg", origin="; ".join(origins))
+    yield _measured("mass", mass, "kg", "; ".join(origins))
     kinds: dict[str, int] = {}
     for _, _, geometry in frames.collisions():
         kinds[geometry[0].tag] = kinds.get(geometry[0].tag, 0) + 1
     shapes = ", ".join(f"{kind} {count}" for kind, count in kinds.items())
-    yield Figure(name="shapes", value=str(sum(kinds.values())), origin=f"its <collision>: {shapes or 'none'}")
+    count = sum(kinds.values())
+    yield Figure(name="shapes", text=str(count), value=count, origin=f"its <collision>: {shapes or 'none'}")
     measured = "the box around its collision shapes, about its origin"
-    yield Figure(name="size", value=_metres(robot.size), origin=_assumed(robot, "size") or measured)
+    yield _measured("size", robot.size, "m", _assumed(robot, "size") or measured)
     read = robot.read_drive
     if read is None:
         why = (
@@ -240,30 +256,31 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
             if robot.steered
             else robot.undriven or "not in its file, and no links look like wheels"
         )
-        yield Figure(name="drive", value="none", origin=why)
+        yield Figure(name="drive", text="none", origin=why)
         return
     drive = read.drive
-    yield Figure(name="drive", value=" and ".join(drive.side_names), origin=read.origin)
-    yield Figure(name="separation", value=f"{drive.separation:.4g} m", origin=read.separation_by)
-    yield Figure(name="radius", value=f"{drive.radius:.4g} m", origin=read.radius_by)
-    yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
-    yield Figure(name="turn rate", value=f"{robot.turn:.4g} rad/s", origin=_assumed(robot, "turn") or read.limits_by)
+    yield Figure(name="drive", text=" and ".join(drive.side_names), origin=read.origin)
+    yield _measured("separation", drive.separation, "m", read.separation_by)
+    yield _measured("radius", drive.radius, "m", read.radius_by)
+    yield _measured("speed", robot.speed, "m/s", _assumed(robot, "speed") or read.limits_by)
+    yield _measured("turn rate", robot.turn, "rad/s", _assumed(robot, "turn") or read.limits_by)
     if isinstance(drive, Wheels):
         motors = {motor(drive, joint, frames): None for joint in drive.joints}
-        value = ", ".join("no limit" if torque is None else f"{torque:.4g} Nm" for torque, _ in motors)
+        torques = [torque for torque, _ in motors]
+        text = ", ".join("no limit" if torque is None else f"{torque:.4g} Nm" for torque in torques)
         where = " and ".join(dict.fromkeys(origin for _, origin in motors))
-        uses = "" if all(torque for torque, _ in motors) else ": in MuJoCo only friction limits its push"
-        yield Figure(name="motor", value=value, origin=f"{where}{uses}")
+        uses = "" if all(torques) else ": in MuJoCo only friction limits its push"
+        known = [torque for torque in torques if torque is not None]
+        value = known if len(known) == len(torques) else None
+        yield Figure(name="motor", text=text, origin=f"{where}{uses}", value=value, unit="Nm" if value else "")
     else:
-        yield Figure(
-            name="motor", value="no limit", origin="no torque of tracks is read: only friction limits its push"
-        )
+        yield Figure(name="motor", text="no limit", origin="no torque of tracks is read: only friction limits its push")
     mu = sorted({*frictions(drive, frames)})
-    acting = dict.fromkeys(min(value, 1.0) for value in (*mu[:1], *mu[-1:]))
+    acting = [*dict.fromkeys(min(value, 1.0) for value in (*mu[:1], *mu[-1:]))]
     limits = " to ".join(f"{value:g}" for value in acting) or "none"
     more = f"; {mu[-1]:g} acts as 1, as blocks have no more" if mu and mu[-1] > 1 else ""
     origin = f"<mu> of what it drives on, 1 if missing{more}" if mu else "what it drives on has no collision shapes"
-    yield Figure(name="friction", value=limits, origin=origin)
+    yield Figure(name="friction", text=limits, origin=origin, value=acting or None)
     if mu and "size" in robot.derived:
         yield from _of_stance(robot)
 
@@ -278,22 +295,26 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     on_level, driven = stance(body), np.array([part.drives for part in body.parts])
     lengths = [surface[:, 0] for surface in body.by_part(body.surface)]  # of each part, along x
     middle = _middle(np.concatenate([x for x, drives in zip(lengths, driven, strict=True) if drives]))
-    yield Figure(name="front", value="along x of its model", origin="as in ROS and Gazebo")
-    balance = f"{_ahead(body.centre[0] - middle)}, {body.centre[2]:.3f} m high"
-    yield Figure(name="balance", value=balance, origin="its centre of mass, from the middle of what it drives on")
+    yield Figure(name="front", text="along x of its model", origin="as in ROS and Gazebo")
+    ahead, high = float(body.centre[0]) - middle, float(body.centre[2])
+    text, origin = f"{_ahead(ahead)}, {high:.3f} m high", "its centre of mass, from the middle of what it drives on"
+    yield Figure(
+        name="balance", text=text, origin=origin, value=(round(ahead, _DIGITS), round(high, _DIGITS)), unit="m"
+    )
     supports = np.flatnonzero(on_level.bearing & ~driven)
     names = [f"{_named(body.parts[at])} {_ahead(_middle(lengths[at]) - middle)}" for at in supports]
     mu = sorted({body.parts[at].mu for at in supports})
     slides = f"; friction {' to '.join(f'{value:g}' for value in (*mu[:1], *mu[1:][-1:]))}" if mu else ""
     origin = f"what nothing drives, and touches level ground{slides}"
-    yield Figure(name="supports", value=some_of(names) or "none", origin=origin)
+    yield Figure(name="supports", text=some_of(names) or "none", origin=origin)
     hanging = np.where(driven | on_level.bearing, np.inf, on_level.heights)
     lowest = int(hanging.argmin())
     if np.isfinite(hanging[lowest]):
         origin = f"the lowest of all else above level ground, {_named(body.parts[lowest])}"
-        yield Figure(name="clearance", value=f"{hanging[lowest]:.3f} m", origin=origin)
+        height = float(hanging[lowest])
+        yield Figure(name="clearance", text=f"{height:.3f} m", origin=origin, value=round(height, _DIGITS), unit="m")
     if not on_level.pose.stands[0]:
-        yield Figure(name="stands", value="no", origin="on level ground it tips over, as its centre of mass is outside")
+        yield Figure(name="stands", text="no", origin="on level ground it tips over, as its centre of mass is outside")
 
 
 def _middle(values: Array) -> float:
@@ -330,7 +351,3 @@ def _remarks(robot: SdfRobot) -> Iterator[str]:
 
 def _assumed(robot: SdfRobot, name: str) -> str:
     return "assumed, as its file does not say" if name in robot.assumed else ""
-
-
-def _metres(sides: Sequence[float]) -> str:
-    return " x ".join(f"{side:.3f}" for side in sides) + " m"
