@@ -23,7 +23,7 @@ from rsegen.simulators.server import running_server
 from tests.robots.makers_robot import makers_robot
 from tests.robots.mjcf_robots import WHEELS, two_wheels_mjcf
 from tests.robots.tracked_and_legged import legged, tracked
-from tests.robots.two_wheels import PLUGINS, two_wheels
+from tests.robots.two_wheels import PLUGINS, in_a_nested_model, two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 
 V, W = 0.15, 0.5
@@ -79,6 +79,9 @@ def robots(tmp_path: Path) -> Mapping[str, SdfRobot]:
         file = tmp_path / f"{name}.sdf"
         file.write_text(two_wheels(plugin, axis=1 if plugin else -1))
         found[name] = from_file(file)
+    file = tmp_path / "nested.sdf"
+    file.write_text(in_a_nested_model(two_wheels().replace('version="1.6"', 'version="1.8"')))
+    found["nested"] = from_file(file)
     file = tmp_path / "mine.urdf"
     file.write_text(two_wheels_urdf())
     mujoco = from_file(

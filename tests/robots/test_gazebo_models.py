@@ -12,7 +12,7 @@ import pytest
 from rsegen.geometry.poses import rotation
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames
-from tests.robots.two_wheels import two_wheels
+from tests.robots.two_wheels import GZ, in_a_nested_model, two_wheels
 
 BASE = re.compile(r'<link name="base">.*?</link>', re.DOTALL)
 
@@ -158,3 +158,39 @@ def test_plugins_of_nested_models_name_what_they_named_in_a_flat_model(tmp_path:
     assert model is not None
     moved = next(part for part in model.findall("plugin") if part.get("filename") == "libmast.so")
     assert [part.text for part in moved] == ["mast::neck", "mast::head", "foot", "other"]
+
+
+def test_a_drive_in_gazebo_sim_finds_joints_of_nested_models(tmp_path: Path) -> None:
+    robot = read(tmp_path, in_a_nested_model(two_wheels(GZ)).replace('version="1.6"', 'version="1.8"'))
+    assert robot.drive.joints == ("inner::left_hub", "inner::right_hub")
+    text = robot.model("mine", "sim")
+    assert "::" not in re.sub("<plugin [^>]*>", "", text)
+    model = fromstring(text)
+    assert model.find("model") is None
+    joints = [joint.get("name") for joint in model.findall("joint")]
+    drive = next(plugin for plugin in model.findall("plugin") if plugin.get("filename") == "gz-sim-diff-drive-system")
+    for side in ("left", "right"):
+        assert drive.findtext(f"{side}_joint") == f"inner__{side}_hub"
+        assert f"inner__{side}_hub" in joints
+    assert first_link(model) == "inner__base"
+    frames, flat = robot.frames(), ModelFrames(model, "")
+    for name, _ in frames.links():
+        np.testing.assert_allclose(flat.transform(name.replace("::", "__")), frames.transform(name), atol=1e-9)
+
+
+def test_a_nested_robot_with_its_own_plugins_stays_nested_in_gazebo_sim(tmp_path: Path) -> None:
+    robot = read(tmp_path, in_a_nested_model(two_wheels(GZ)).replace('version="1.6"', 'version="1.8"'))
+    nested = fromstring(robot.file("mine", "sim")).find("model/model")
+    assert nested is not None
+    assert nested.findtext("plugin/left_joint") == "left_hub"
+
+
+def test_a_joint_of_the_model_itself_on_a_nested_link_keeps_its_name(tmp_path: Path) -> None:
+    text = two_wheels(GZ).replace('version="1.6"', 'version="1.8"')
+    wheel = re.search(r'<link name="left_wheel">.*?</link>', text, re.DOTALL)
+    assert wheel is not None
+    inside = f'<model name="inner">{wheel[0]}</model>'
+    text = text.replace(wheel[0], inside).replace("<child>left_wheel", "<child>inner::left_wheel")
+    model = fromstring(read(tmp_path, text).model("mine", "sim"))
+    assert model.find("model/link") is not None
+    assert model.findtext("plugin/left_joint") == "left_hub"

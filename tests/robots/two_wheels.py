@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 RADIUS, SEPARATION = 0.05, 0.3
 
 _BODY = """\
@@ -73,3 +75,18 @@ def two_wheels(plugin: str = "", version: str = "1.6", axis: int = 1) -> str:
     """The text of its file; axis: 1 if the wheels' axes point to the left, -1 to the right."""
     wheels = "".join(_WHEEL.format(side=side, y=y, axis=axis) for side, y in (("left", 0.15), ("right", -0.15)))
     return f'<sdf version="{version}"><model name="my-robot">\n{_BODY}{wheels}{plugin}  </model></sdf>\n'
+
+
+MAST = """\
+    <link name="mast">
+      <pose>0 0 0.15 0 0 0</pose>
+      <inertial><mass>0.01</mass><inertia><ixx>1e-5</ixx><iyy>1e-5</iyy><izz>1e-5</izz></inertia></inertial>
+    </link>
+    <joint name="foot" type="fixed"><parent>inner::base</parent><child>mast</child></joint>
+"""
+
+
+def in_a_nested_model(text: str) -> str:
+    """Return a robot inside another model with a mast on it, as people add parts to the robot of a maker."""
+    text = re.sub("<model name=[^>]*>", '<model name="outer"><model name="inner">', text, count=1)
+    return f"{MAST}</model>".join(text.replace("</model>", "</model></model>").rsplit("</model>", 1))

@@ -96,6 +96,14 @@ def pose_publisher(simulator: str) -> str:
     return system("PosePublisher", simulator, publishing)
 
 
+def flat_name(name: str) -> str:
+    """Return the name that a part of a nested model has in a drive in Gazebo Sim, where the model is flat.
+
+    SDF refuses :: in names of parts, as it means nested models.
+    """
+    return name.replace("::", "__")
+
+
 def element(tag: str, value: float | str) -> str:
     """Return <tag>value</tag>."""
     return f"<{tag}>{value if isinstance(value, str) else numbers([value])}</{tag}>"
@@ -261,7 +269,7 @@ class Tracks(Drive):
         text = "x: {:.12g} y: {:.12g} z: {:.12g}".format(*centre)
         for belts, speed in zip((self.left, self.right), self.sides(v, w, 1 / self.efficiency), strict=True):
             for belt in belts:
-                of_belt = f"/model/{name}/link/{belt}/track_cmd"
+                of_belt = f"/model/{name}/link/{flat_name(belt)}/track_cmd"
                 yield publish_command(f"{of_belt}_center_of_rotation", "Vector3d", text, simulator)
                 yield publish_command(f"{of_belt}_vel", "Double", f"data: {numbers([speed])}", simulator)
 

@@ -6,8 +6,10 @@ link on which all others hang comes first.
 
 Gazebo Classic has the first links of nested models behind those of the model, and overlooks degrees, quaternions and
 frames of nested models, which came with SDF 1.8 and 1.9. A model with one of them becomes flat: links with poses in its
-frame, and joints between them, by the names that they have in it. Cost: that of all poses. What breaks it: sensors of a
-nested model whose poses are relative to others.
+frame, and joints between them, by the names that they have in it. In Gazebo Sim the drives find joints and links of
+their own model alone, so a model that drives on those of a nested one becomes flat too, with names without ::, which
+SDF has for nested ones. Cost: that of all poses. What breaks it: sensors of a nested model whose poses are relative to
+others.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from rsegen.field.stepfield import Array
+from rsegen.robots.drives import flat_name
 from rsegen.robots.sdf_elements import numbers_text, pose_text, without_plugins
 from rsegen.robots.sdf_shapes import ModelFrames, in_scope
 
@@ -29,16 +32,22 @@ _OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
 """Elements of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
 
 
-def fit(model: Element, frames: ModelFrames, simulator: str, driven: Iterable[str] = ()) -> None:
+def fit(
+    model: Element, frames: ModelFrames, simulator: str, driven: Iterable[str] = (), *, is_driven_inside: bool = False
+) -> None:
     """Write a model as a Gazebo reads it, led by the link on which it hangs; its own plug-ins keep the names in them.
 
     frames: of the model; driven: links that are wheels or tracks, of which the first one says which body counts, if
-    there are several
+    there are several; is_driven_inside: whether its drive is to turn joints, or move links, of nested models
     """
-    body = _body(frames, driven)
+    body, first = _body(frames, driven), next((name for name, _ in frames.links()), "")
     if simulator == "classic" and _is_overlooked(model):
         _make_flat(model, frames)
-    _lead(model, body, next((name for name, _ in frames.links()), ""))
+    elif simulator != "classic" and is_driven_inside:
+        _make_flat(model, frames)
+        _rename(model)
+        body, first = flat_name(body), flat_name(first)
+    _lead(model, body, first)
 
 
 def _body(frames: ModelFrames, driven: Iterable[str]) -> str:
@@ -104,6 +113,20 @@ def _make_flat(model: Element, frames: ModelFrames) -> None:
         element.set("name", name)
     model.extend([*(element for _, element in named), *plugins])
     model.attrib.pop("canonical_link", None)
+
+
+def _rename(model: Element) -> None:
+    """Give the parts of a model that was made flat the names that Gazebo Sim takes."""
+    for part in model.iter():
+        if part.tag in ("link", "joint") and part.get("name"):
+            part.set("name", flat_name(part.get("name", "")))
+        if part.tag == "mimic":
+            part.set("joint", flat_name(part.get("joint", "")))
+        if part.tag in ("parent", "child", "gearbox_reference_body"):
+            part.text = flat_name(part.text or "")
+    for part in (part for plugin in model.findall("plugin") for part in plugin.iter()):
+        if _OF_THE_MODEL.search(part.tag):
+            part.text = flat_name(part.text or "")
 
 
 def _is_overlooked(model: Element) -> bool:
