@@ -27,8 +27,8 @@ from rsegen.driving.routes import Motion, Route
 from rsegen.driving.world_file import time_step, world_with_robots
 from rsegen.field.stepfield import Levels
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.sdf_file import from_file
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.poses import Pose

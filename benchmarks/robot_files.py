@@ -25,7 +25,7 @@ from rsegen.driving.recording import RobotRun, record_drive, record_embedded
 from rsegen.driving.routes import Motion, Route
 from rsegen.errors import UserError
 from rsegen.gazebo import sdf
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.simulators.poses import DROP_HEIGHT, Pose

@@ -77,7 +77,7 @@ SOURCES: Mapping[str, Source] = {
             "benchmarks/contact",
             "src/rsegen/gazebo",
             "src/rsegen/geometry",
-            "src/rsegen/robots/simulator_shapes.py",
+            "src/rsegen/robots/files/simulator_shapes.py",
             "src/rsegen/simulators",
         ),
     ),

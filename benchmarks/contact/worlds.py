@@ -10,7 +10,7 @@ from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
 from rsegen.driving.world_file import add_systems
-from rsegen.robots.simulator_shapes import with_capsules
+from rsegen.robots.files.simulator_shapes import with_capsules
 from tests.real.bodies import body
 from tests.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
 

@@ -19,8 +19,8 @@ from rsegen.driving.plots import trajectory_plot
 from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import STOP
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of_kind
-from rsegen.robots.sdf_file import from_file
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.poses import Pose

@@ -11,7 +11,7 @@ from rsegen import Random, Recipe, StepField, build, spots
 from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.sdf_file import SdfRobot
+from rsegen.robots.files.sdf_file import SdfRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose, adjacent_pose
 from rsegen.standing.outlines import Outline
 from rsegen.standing.spots import GAP, find_spots, spot_generator

@@ -29,7 +29,7 @@ def called(argv: tuple[str, ...]) -> object:
 
 
 def _read_robot(name: str) -> None:
-    from rsegen.robots.sdf_file import from_file
+    from rsegen.robots.files.sdf_file import from_file
 
     robot = from_file(name)
     robot.model("r", "classic")

@@ -9,7 +9,7 @@ import pytest
 
 from rsegen.errors import FileError
 from rsegen.mujoco.world import MujocoWorld
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from tests.mujoco.test_robots_of_files import cart, inertial, wheel
 from tests.mujoco.worlds import step_of, world_of

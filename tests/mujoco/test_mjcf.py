@@ -9,8 +9,8 @@ import pytest
 
 from rsegen.cli.edge import main
 from rsegen.mujoco.turning import on_flat_ground, turn_gain, turned_within
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.parameters import MOTORS
-from rsegen.robots.sdf_file import from_file
 from tests.mujoco.worlds import world_of
 from tests.robots.mjcf_robots import BALL, DEFAULTS, two_wheels_mjcf
 

@@ -15,8 +15,8 @@ import trimesh
 from rsegen.errors import FileError, ParameterError
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose

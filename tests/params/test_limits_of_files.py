@@ -21,7 +21,7 @@ from rsegen.params.sorts import Float, Integer, parameters
 from rsegen.recipe.inventory_file import inventory_in
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files.sdf_file import from_file
 
 MODEL = (
     '<sdf version="1.6"><model name="cart"><link name="base"><collision name="c"><geometry><box><size>{side} 0.3 0.1'

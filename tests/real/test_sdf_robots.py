@@ -16,7 +16,7 @@ from rsegen import Matrix, Recipe
 from rsegen.driving.recording import RobotRun, record_drive
 from rsegen.driving.routes import Motion, Route
 from rsegen.gazebo import sdf
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.simulators.base import Installation
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.simulators.server import running_server

@@ -10,8 +10,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pytest
 
-from rsegen.robots.sdf_file import from_file
-from rsegen.robots.sdf_shapes import ModelFrames, inertials, tensor_of
+from rsegen.robots.files.sdf_file import from_file
+from rsegen.robots.files.sdf_shapes import ModelFrames, inertials, tensor_of
 from rsegen.simulators.base import Installation
 from rsegen.simulators.process import command_output
 from tests.robots.urdf_robots import Limb, tree, two_wheels_urdf

@@ -10,7 +10,7 @@ import pytest
 import rsegen
 from rsegen.errors import FileError, UserError
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.standing.body import Body
 
 FIELD = rsegen.build(rsegen.Recipe(seed=1, boundary="none", unit_cm=1, obstacles=[rsegen.Random(levels=3)]))
@@ -170,7 +170,7 @@ def test_a_mesh_that_is_too_large_is_refused_before_it_is_read(tmp_path: Path, e
 
 
 def test_only_a_binary_stl_file_may_be_larger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
+    monkeypatch.setattr("rsegen.robots.files.meshes.MAX_MESH_MIB", 0)
     trimesh = pytest.importorskip("trimesh")
     for ending in ("stl", "ply"):
         trimesh.creation.box(extents=(0.4, 0.3, 0.1)).export(tmp_path / f"hull.{ending}")

@@ -11,7 +11,7 @@ import pytest
 from rsegen.errors import FileError
 from rsegen.geometry import mesh_files
 from rsegen.geometry.mesh_files import read_collada
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files.sdf_file import from_file
 from tests.robots.test_body import model
 
 CORNERS = "0 0 0  2 0 0  2 1 0  0 1 0  0 0 3"

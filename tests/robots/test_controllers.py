@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rsegen.robots.drives import Wheels
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from tests.robots.urdf_robots import two_wheels_urdf
 
 PACKAGE = "<package><name>{}</name>{}</package>"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from rsegen.geometry.poses import rotation
-from rsegen.robots.sdf_file import SdfRobot, from_file
-from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_shapes import ModelFrames
 from tests.robots.two_wheels import GZ, in_a_nested_model, two_wheels
 
 BASE = re.compile(r'<link name="base">.*?</link>', re.DOTALL)

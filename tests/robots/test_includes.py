@@ -10,7 +10,7 @@ import pytest
 
 from rsegen.errors import FileError
 from rsegen.robots.drives import Wheels
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files.sdf_file import from_file
 
 BODY = """<link name="base"><pose>0 0 0.1 0 0 0</pose><inertial><mass>5</mass>
 <inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import FileError
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 

@@ -12,12 +12,12 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError
-from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import Wheels
+from rsegen.robots.files.controllers import Controls, controls
+from rsegen.robots.files.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.robots.files.uris import found_package, packages_around
+from rsegen.robots.files.xacro_files import with_arguments
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
-from rsegen.robots.uris import found_package, packages_around
-from rsegen.robots.xacro_files import with_arguments
 from tests.robots.makers_robot import CONTROLLER, PACKAGE, makers_robot
 from tests.robots.two_wheels import ROS_1, two_wheels
 

@@ -11,9 +11,9 @@ import trimesh
 import rsegen
 from rsegen.errors import FileError
 from rsegen.geometry.mesh_files import Triangles
-from rsegen.robots import body, meshes, sdf_file, sdf_shapes
-from rsegen.robots.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files import body, meshes, sdf_file, sdf_shapes
+from rsegen.robots.files.meshes import bounds, collision_mesh, mesh_corners, read_mesh, simplified
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.resting import has_stood
 from rsegen.standing.settling import outer_radius, settle

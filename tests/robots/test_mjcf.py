@@ -17,11 +17,11 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import FileError, ParameterError
 from rsegen.robots.drives import Wheels
+from rsegen.robots.files.meshes import INLINE
+from rsegen.robots.files.mjcf_compile import compiled
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.meshes import INLINE
-from rsegen.robots.mjcf_compile import compiled
-from rsegen.robots.sdf_file import SdfRobot, from_file
-from rsegen.robots.sdf_shapes import ModelFrames, inertia_tensor, inertials
 from rsegen.robots.visuals import visuals
 from tests.robots.mjcf_robots import DEFAULTS, MOTORS, WHEELS, two_wheels_mjcf
 from tests.robots.two_wheels import RADIUS, SEPARATION
@@ -478,9 +478,11 @@ def test_no_hull_is_made_of_a_mesh_and_it_touches_all_the_same(tmp_path: Path, m
 
 def test_a_large_mesh_is_refused_before_mujoco_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = touching_mesh(tmp_path)
-    monkeypatch.setattr("rsegen.robots.meshes.MAX_MESH_MIB", 0)
-    monkeypatch.setattr("rsegen.robots.mjcf_compile._compiled_without_hulls", lambda spec: pytest.fail("was compiled"))
-    monkeypatch.setattr("rsegen.robots.mjcf_compile.MANY_FACES", 100)
+    monkeypatch.setattr("rsegen.robots.files.meshes.MAX_MESH_MIB", 0)
+    monkeypatch.setattr(
+        "rsegen.robots.files.mjcf_compile._compiled_without_hulls", lambda spec: pytest.fail("was compiled")
+    )
+    monkeypatch.setattr("rsegen.robots.files.mjcf_compile.MANY_FACES", 100)
     with pytest.raises(FileError, match=r"hull\.stl: 1,280 faces; .* up to 100; simplify it, or write it as OBJ"):
         from_file(file)
     trimesh.load_mesh(tmp_path / "hull.stl").export(tmp_path / "hull.obj")

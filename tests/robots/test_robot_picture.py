@@ -16,11 +16,12 @@ from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_files import Triangles
-from rsegen.robots import meshes, visuals
 from rsegen.robots import robot_picture as module
+from rsegen.robots import visuals
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files import meshes
+from rsegen.robots.files.meshes import read_mesh
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.meshes import read_mesh
 from rsegen.robots.visuals import placed_shapes
 
 RED = "<material><diffuse>1 0 0 1</diffuse></material>"

@@ -11,8 +11,8 @@ import pytest
 
 from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.robots.drives import BACKENDS, Tracks, Wheels
-from rsegen.robots.sdf_file import SdfRobot, from_file
-from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_shapes import ModelFrames
 from tests.robots import tracked_and_legged
 from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
 

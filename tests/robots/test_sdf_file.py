@@ -11,7 +11,7 @@ import trimesh
 from rsegen.errors import FileError, ParameterError
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import BACKENDS
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.files.sdf_file import from_file
 
 MODEL = '<sdf version="1.6"><model name="mine"><link name="base"/>{}</model></sdf>'
 

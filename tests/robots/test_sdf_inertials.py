@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from rsegen.errors import FileError
 from rsegen.geometry.poses import rotation
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.sdf_file import SdfRobot, from_file
-from rsegen.robots.sdf_shapes import Inertial, ModelFrames, extents, inertials, is_impossible
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_shapes import Inertial, ModelFrames, extents, inertials, is_impossible
 from tests.robots.two_wheels import ROS_1, two_wheels
 
 INERTIAL = "<inertial>{}</inertial>"

@@ -10,8 +10,8 @@ import pytest
 
 from rsegen.errors import FileError
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.sdf_file import from_file
 from tests.robots.mjcf_robots import two_wheels_mjcf
 from tests.robots.two_wheels import two_wheels
 

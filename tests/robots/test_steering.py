@@ -10,7 +10,7 @@ import pytest
 
 from rsegen.errors import FileError
 from rsegen.robots.drives import Wheels
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import two_wheels
 from tests.robots.urdf_robots import Limb, tree, two_wheels_urdf
 

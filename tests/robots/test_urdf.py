@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from rsegen.errors import FileError
 from rsegen.robots.drives import Tracks
-from rsegen.robots.sdf_file import SdfRobot, from_file
-from rsegen.robots.sdf_shapes import ModelFrames, inertials, tensor_of
-from rsegen.robots.urdf import converted
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
+from rsegen.robots.files.sdf_shapes import ModelFrames, inertials, tensor_of
+from rsegen.robots.files.urdf import converted
 from tests.robots.two_wheels import ROS_1, two_wheels
 from tests.robots.urdf_robots import Limb, tree, two_wheels_urdf
 

@@ -11,9 +11,9 @@ import trimesh
 
 from rsegen.robots import visuals as module
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.links import DARK
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.visuals import visuals
 
 SHAPES = {

@@ -13,8 +13,8 @@ import pytest
 
 from rsegen.errors import FileError, UserError
 from rsegen.params import extras
-from rsegen.robots import xacro_files
-from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.robots.files import xacro_files
+from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import ROS_1, two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 

@@ -33,8 +33,8 @@ from rsegen.params.numbers import lengths_in, whole_degrees
 from rsegen.recipe.codec import map_json
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
+from rsegen.robots.files.sdf_file import SdfRobot
 from rsegen.robots.lookup import DrivableRobot, chosen_robot
-from rsegen.robots.sdf_file import SdfRobot
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.embedded import EmbeddedSimulator

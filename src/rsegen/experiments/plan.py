@@ -23,8 +23,8 @@ from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import recipe_content
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_file import is_robot_file
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.sdf_file import is_robot_file
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED
 

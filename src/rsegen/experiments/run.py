@@ -38,8 +38,8 @@ from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, T
 from rsegen.recipe import recipe_file
 from rsegen.recipe.codec import plugin_identities
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.sdf_file import is_robot_file
-from rsegen.robots.xacro_files import with_arguments
+from rsegen.robots.files.sdf_file import is_robot_file
+from rsegen.robots.files.xacro_files import with_arguments
 from rsegen.simulators.embedded import embedded_simulator
 from rsegen.simulators.server import choose_installation
 from rsegen.writing.journal import Journal

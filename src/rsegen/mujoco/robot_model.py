@@ -29,11 +29,10 @@ from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
-from rsegen.robots.meshes import collision_mesh, simplified_to
-from rsegen.robots.mimics import mimics
-from rsegen.robots.motors import is_damped_at_the_end, motor
-from rsegen.robots.parameters import MOTORS
-from rsegen.robots.sdf_shapes import (
+from rsegen.robots.files.meshes import collision_mesh, simplified_to
+from rsegen.robots.files.mimics import mimics
+from rsegen.robots.files.motors import is_damped_at_the_end, motor
+from rsegen.robots.files.sdf_shapes import (
     ROUND,
     ModelFrames,
     file_and_scale,
@@ -42,6 +41,7 @@ from rsegen.robots.sdf_shapes import (
     inertia_tensor,
     radius_and_length,
 )
+from rsegen.robots.parameters import MOTORS
 from rsegen.simulators.embedded import PlacedRobot
 
 _ENDLESS = 1e6

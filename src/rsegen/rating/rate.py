@@ -30,9 +30,9 @@ from rsegen.recipe.building import build
 from rsegen.recipe.codec import encode, plugin_identities
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_file import is_robot_file
+from rsegen.robots.files.xacro_files import with_arguments
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.sdf_file import is_robot_file
-from rsegen.robots.xacro_files import with_arguments
 from rsegen.writing.execute import Execution
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import Store, refuse_taken

@@ -23,8 +23,8 @@ from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter, parameters
 from rsegen.recipe.recipe import Run
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
+from rsegen.robots.files.simulator_shapes import with_capsules
 from rsegen.robots.links import GROUND_FRICTION, ORIGIN, Box, Cylinder, Joint, Lidar, Link, SdfPose, Vector, posed
-from rsegen.robots.simulator_shapes import with_capsules
 from rsegen.standing.body import (
     Body,
     CollisionPart,

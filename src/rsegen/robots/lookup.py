@@ -12,7 +12,7 @@ from rsegen.errors import FileError, ParameterError, refuse_other, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.sdf_file import SUFFIXES, SdfRobot, from_file, is_robot_file
+from rsegen.robots.files.sdf_file import SUFFIXES, SdfRobot, from_file, is_robot_file
 from rsegen.standing import resting, stable
 from rsegen.standing.kinds import RobotWithRoom
 from rsegen.standing.resting import Poses

@@ -28,10 +28,10 @@ from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import Robot
+from rsegen.robots.files.sdf_file import SdfRobot
+from rsegen.robots.files.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.links import DARK, GREY, Box, Cylinder, Sphere, posed
 from rsegen.robots.lookup import DrivableRobot, robot_of
-from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.visuals import colour_of
 from rsegen.scene.colours import Colour
 from rsegen.scene.scene import Scene

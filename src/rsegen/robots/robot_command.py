@@ -20,8 +20,8 @@ from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array
     from rsegen.robots.base import Robot
+    from rsegen.robots.files.sdf_file import SdfRobot
     from rsegen.robots.lookup import DrivableRobot
-    from rsegen.robots.sdf_file import SdfRobot
     from rsegen.standing.body import CollisionPart
 
 
@@ -82,8 +82,8 @@ def add_robot(command: Parser) -> None:
 
 def run_robot(arguments: argparse.Namespace) -> Report:
     """List the robots, or read one, and list its figures."""
+    from rsegen.robots.files.sdf_file import SdfRobot
     from rsegen.robots.lookup import chosen_robot
-    from rsegen.robots.sdf_file import SdfRobot
 
     if arguments.robot is None:
         for name in ("wheels", "tracks", "picture"):
@@ -230,8 +230,8 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
-    from rsegen.robots.motors import frictions, motor
-    from rsegen.robots.sdf_shapes import inertials, links_by_default
+    from rsegen.robots.files.motors import frictions, motor
+    from rsegen.robots.files.sdf_shapes import inertials, links_by_default
 
     # First what every model has, links and shapes; then the drive, or why it has none; last what that drives on.
     frames = robot.frames()
@@ -329,7 +329,7 @@ def _ahead(metres: float) -> str:
 
 def _named(part: CollisionPart) -> str:
     """Return the name of a part, of one of a link that was lumped into another one that of its link."""
-    from rsegen.robots.urdf import LUMPED
+    from rsegen.robots.files.urdf import LUMPED
 
     lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part.name)
     return lumped[1] if lumped else part.name

@@ -16,11 +16,19 @@ import numpy as np
 from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.pictures.camera import Triangles
+from rsegen.robots.files.meshes import read_mesh, simplified_to
+from rsegen.robots.files.sdf_file import SdfRobot
+from rsegen.robots.files.sdf_shapes import (
+    ROUND,
+    ModelFrames,
+    file_and_scale,
+    floats,
+    form_of,
+    geometries,
+    radius_and_length,
+)
 from rsegen.robots.links import DARK, GREY
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.robots.meshes import read_mesh, simplified_to
-from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, geometries, radius_and_length
 from rsegen.scene.colours import Colour
 
 _SIDES = 16

@@ -31,7 +31,7 @@ from rsegen.simulators.parameters import RunningSimulator, Timeout
 
 if TYPE_CHECKING:
     from rsegen.robots.base import Robot
-    from rsegen.robots.sdf_file import SdfRobot
+    from rsegen.robots.files.sdf_file import SdfRobot
     from rsegen.spawning.spawning import RemoveResult, RespawnResult, SpawnResult
     from rsegen.writing.target_worlds import Target
 

@@ -30,8 +30,8 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import recipe_in
 from rsegen.robots.base import ROBOTS, Robot
+from rsegen.robots.files.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.robots.lookup import DrivableRobot, robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.connecting import connected, opened_folder
 from rsegen.simulators.live_world import LiveWorld

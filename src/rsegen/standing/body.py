@@ -5,8 +5,8 @@ from below by a lower one, are left out. So a wheel, the round end of a track, a
 The distance between samples is a sixtieth of the robot's length; half of it is the error with which the edge of a
 block is met. Of a fine mesh one sample is kept in each cube of that size, and inside of its flat faces one in each cube
 of three times that size, as on the faces of boxes. Cost: once per robot, some ten milliseconds, and a second for a mesh
-of 100,000 triangles; larger ones are simplified before (`robots/meshes.py`). What breaks it: a part thinner than the
-distance of samples.
+of 100,000 triangles; larger ones are simplified before (`robots/files/meshes.py`). What breaks it: a part thinner than
+the distance of samples.
 """
 
 from __future__ import annotations

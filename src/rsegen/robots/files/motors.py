@@ -6,7 +6,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
+from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
 from rsegen.standing.resting import GRAVITY
 
 

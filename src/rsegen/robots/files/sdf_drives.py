@@ -22,10 +22,10 @@ from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.crossing import SPEED, TURN
 from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
-from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.sdf_shapes import ModelFrames, positive_number
-from rsegen.robots.wheel_joints import TURNING, is_along_y, large_wheels, rolling_joints, steered_wheels
+from rsegen.robots.files.controllers import Controller, Controls
+from rsegen.robots.files.sdf_shapes import ModelFrames, positive_number
+from rsegen.robots.files.wheel_joints import TURNING, is_along_y, large_wheels, rolling_joints, steered_wheels
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5

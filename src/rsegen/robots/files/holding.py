@@ -14,10 +14,10 @@ from xml.etree.ElementTree import Element
 
 from rsegen.gazebo.sdf import numbers
 from rsegen.robots.drives import Drive
-from rsegen.robots.mimics import MOVING, Mimic, first_leader, mimics
-from rsegen.robots.sdf_elements import put
-from rsegen.robots.sdf_shapes import ModelFrames, floats
-from rsegen.robots.wheel_joints import UPRIGHT, is_endless
+from rsegen.robots.files.mimics import MOVING, Mimic, first_leader, mimics
+from rsegen.robots.files.sdf_elements import put
+from rsegen.robots.files.sdf_shapes import ModelFrames, floats
+from rsegen.robots.files.wheel_joints import UPRIGHT, is_endless
 
 
 def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collection[str] = ()) -> tuple[str, ...]:

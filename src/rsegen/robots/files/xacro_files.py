@@ -30,7 +30,7 @@ from rsegen.errors import FileError, UserError, library_message, line_of
 from rsegen.input_files import text_of, xml_root
 from rsegen.params.extras import pip_install
 from rsegen.robots import XACRO
-from rsegen.robots.uris import found_package, installed
+from rsegen.robots.files.uris import found_package, installed
 
 _SECONDS = 20
 """CPU time of the other process; the macros of a robot with an arm and a gripper take about one second."""
@@ -129,7 +129,7 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
     try:
         ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
-            [sys.executable, "-m", "rsegen.robots.xacro_files", where],
+            [sys.executable, "-m", "rsegen.robots.files.xacro_files", where],
             input=json.dumps({"text": text, "arguments": dict(arguments), "seconds": _SECONDS}),
             encoding="utf-8",
             capture_output=True,

@@ -29,11 +29,11 @@ import numpy as np
 from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import angles, pose_matrix, rotation
-from rsegen.robots.controllers import Controls
-from rsegen.robots.meshes import INLINE
-from rsegen.robots.mimics import Mimic, put_mimic
-from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
-from rsegen.robots.sdf_elements import (
+from rsegen.robots.files.controllers import Controls
+from rsegen.robots.files.meshes import INLINE
+from rsegen.robots.files.mimics import Mimic, put_mimic
+from rsegen.robots.files.mjcf_compile import Compiled, compiled, turn_of
+from rsegen.robots.files.sdf_elements import (
     LATEST_OF_CLASSIC,
     Mass,
     append_inertial,
@@ -42,9 +42,9 @@ from rsegen.robots.sdf_elements import (
     put,
     sum_of_masses,
 )
-from rsegen.robots.sdf_shapes import ModelFrames
-from rsegen.robots.urdf import Converted
-from rsegen.robots.wheel_joints import is_wheel
+from rsegen.robots.files.sdf_shapes import ModelFrames
+from rsegen.robots.files.urdf import Converted
+from rsegen.robots.files.wheel_joints import is_wheel
 
 _BETWEEN = 1e-3
 """Share of a body's mass that a link between two of its joints has, as none may have no mass."""

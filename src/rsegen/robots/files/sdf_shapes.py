@@ -22,8 +22,8 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix, rotation
-from rsegen.robots.meshes import INLINE, SUFFIXES, bounds, mesh_corners
-from rsegen.robots.sdf_elements import is_true
+from rsegen.robots.files.meshes import INLINE, SUFFIXES, bounds, mesh_corners
+from rsegen.robots.files.sdf_elements import is_true
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""

@@ -17,8 +17,8 @@ from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
 from rsegen.geometry.poses import pose_matrix, rotation
-from rsegen.robots.sdf_elements import numbers_text, pose_text, put
-from rsegen.robots.sdf_shapes import floats, matrix_of
+from rsegen.robots.files.sdf_elements import numbers_text, pose_text, put
+from rsegen.robots.files.sdf_shapes import floats, matrix_of
 
 _COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 _BALL = re.compile(r"<sphere>\s*(<radius>[^<]*</radius>)\s*</sphere>")

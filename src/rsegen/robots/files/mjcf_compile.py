@@ -21,7 +21,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_files import Triangles, binary_faces
 from rsegen.geometry.poses import pose_matrix
 from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, text_of, xml_root
-from rsegen.robots.meshes import MANY_FACES, SUFFIXES, inline_uri, refuse_large
+from rsegen.robots.files.meshes import MANY_FACES, SUFFIXES, inline_uri, refuse_large
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""

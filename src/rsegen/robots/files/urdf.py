@@ -23,8 +23,8 @@ import numpy as np
 from rsegen.errors import FileError, shown, some_of
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix, rotation
-from rsegen.robots.mimics import Mimic, put_mimic
-from rsegen.robots.sdf_elements import (
+from rsegen.robots.files.mimics import Mimic, put_mimic
+from rsegen.robots.files.sdf_elements import (
     LATEST_OF_CLASSIC,
     MOMENTS,
     NO_MASS,
@@ -38,7 +38,7 @@ from rsegen.robots.sdf_elements import (
     put_all,
     sum_of_masses,
 )
-from rsegen.robots.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
+from rsegen.robots.files.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
 
 _WORLD = "world"
 """The root link of a robot that stands fixed in the world."""

@@ -23,7 +23,7 @@ from xml.etree.ElementTree import Element
 from rsegen.errors import FileError
 from rsegen.input_files import regular_content
 from rsegen.recipe.recipe_file import parse_yaml
-from rsegen.robots.uris import belong_together, packages_around
+from rsegen.robots.files.uris import belong_together, packages_around
 
 _MOST_FILES = 300
 """YAML files that are looked into; a robot of ROS has some tens in its packages."""

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
-from rsegen.robots.sdf_elements import numbers_text, put
-from rsegen.robots.sdf_shapes import ModelFrames, floats, in_scope
+from rsegen.robots.files.sdf_elements import numbers_text, put
+from rsegen.robots.files.sdf_shapes import ModelFrames, floats, in_scope
 
 MOVING = ("revolute", "continuous", "prismatic")
 """Types of joints with one angle or way, which may follow, lead and be held; others are screws, balls and gears."""

@@ -12,18 +12,18 @@ from rsegen.errors import some_of
 from rsegen.gazebo.sdf import numbers
 from rsegen.geometry.poses import angles, rotation
 from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
-from rsegen.robots.holding import hold, turn_to_the_left
-from rsegen.robots.motors import is_damped_at_the_end
-from rsegen.robots.sdf_drives import (
+from rsegen.robots.files.holding import hold, turn_to_the_left
+from rsegen.robots.files.motors import is_damped_at_the_end
+from rsegen.robots.files.sdf_drives import (
     KNOWN,
     TRACK_CONTROLLER,
     ReadDrive,
     controlled_links,
     plugin_key,
 )
-from rsegen.robots.sdf_elements import numbers_text, put
-from rsegen.robots.sdf_names import let_go
-from rsegen.robots.sdf_shapes import ModelFrames, floats
+from rsegen.robots.files.sdf_elements import numbers_text, put
+from rsegen.robots.files.sdf_names import let_go
+from rsegen.robots.files.sdf_shapes import ModelFrames, floats
 
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""

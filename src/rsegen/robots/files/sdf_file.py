@@ -25,19 +25,18 @@ from rsegen.field.crossing import SIDE
 from rsegen.gazebo.sdf import numbers
 from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
-from rsegen.robots.body import body_of_model
-from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
-from rsegen.robots.gazebo_models import fit
-from rsegen.robots.holding import hold
-from rsegen.robots.includes import NOT_INCLUDED, Includes
-from rsegen.robots.links import ORIGIN, SdfPose, Vector
-from rsegen.robots.meshes import INLINE
-from rsegen.robots.mimics import mimics
-from rsegen.robots.mjcf import of_mujoco
-from rsegen.robots.motors import light_wheels, slippery_wheels, yielding_wheels
-from rsegen.robots.sdf_drives import (
+from rsegen.robots.files.body import body_of_model
+from rsegen.robots.files.controllers import Controls, controls
+from rsegen.robots.files.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
+from rsegen.robots.files.gazebo_models import fit
+from rsegen.robots.files.holding import hold
+from rsegen.robots.files.includes import NOT_INCLUDED, Includes
+from rsegen.robots.files.meshes import INLINE
+from rsegen.robots.files.mimics import mimics
+from rsegen.robots.files.mjcf import of_mujoco
+from rsegen.robots.files.motors import light_wheels, slippery_wheels, yielding_wheels
+from rsegen.robots.files.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
     ReadDrive,
@@ -47,9 +46,9 @@ from rsegen.robots.sdf_drives import (
     named_wheels,
     plugin_problem,
 )
-from rsegen.robots.sdf_elements import LATEST_OF_CLASSIC
-from rsegen.robots.sdf_names import refuse_unknown, spell_types, ties_to_world
-from rsegen.robots.sdf_shapes import (
+from rsegen.robots.files.sdf_elements import LATEST_OF_CLASSIC
+from rsegen.robots.files.sdf_names import refuse_unknown, spell_types, ties_to_world
+from rsegen.robots.files.sdf_shapes import (
     Extents,
     ModelFrames,
     hang_on_links,
@@ -59,11 +58,12 @@ from rsegen.robots.sdf_shapes import (
     swollen_inertias,
     take_out_flat,
 )
-from rsegen.robots.simulator_shapes import use_shapes_of_classic, with_capsules
-from rsegen.robots.urdf import Converted, converted
-from rsegen.robots.uris import resolve_uris
-from rsegen.robots.wheel_joints import TURNING, steered_wheels
-from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
+from rsegen.robots.files.simulator_shapes import use_shapes_of_classic, with_capsules
+from rsegen.robots.files.urdf import Converted, converted
+from rsegen.robots.files.uris import resolve_uris
+from rsegen.robots.files.wheel_joints import TURNING, steered_wheels
+from rsegen.robots.files.xacro_files import expanded, is_xacro, with_arguments
+from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.standing.body import Body, body_of_size
 from rsegen.standing.kinds import RobotOnField
 

@@ -13,9 +13,17 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix
+from rsegen.robots.files.meshes import collision_mesh, simplified
+from rsegen.robots.files.sdf_shapes import (
+    ROUND,
+    ModelFrames,
+    file_and_scale,
+    floats,
+    form_of,
+    inertials,
+    radius_and_length,
+)
 from rsegen.robots.links import GROUND_FRICTION
-from rsegen.robots.meshes import collision_mesh, simplified
-from rsegen.robots.sdf_shapes import ROUND, ModelFrames, file_and_scale, floats, form_of, inertials, radius_and_length
 from rsegen.standing.body import (
     Body,
     CollisionPart,

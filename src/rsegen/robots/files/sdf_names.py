@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
-from rsegen.robots.sdf_elements import is_true, without_plugins
-from rsegen.robots.sdf_shapes import ModelFrames, in_scope
+from rsegen.robots.files.sdf_elements import is_true, without_plugins
+from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
 _TYPES = ("revolute", "continuous", "revolute2", "prismatic", "fixed", "ball", "universal", "screw", "gearbox")
 """Types of joints in SDF."""

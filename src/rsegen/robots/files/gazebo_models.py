@@ -22,8 +22,8 @@ import numpy as np
 
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import flat_name
-from rsegen.robots.sdf_elements import numbers_text, pose_text, without_plugins
-from rsegen.robots.sdf_shapes import ModelFrames, in_scope
+from rsegen.robots.files.sdf_elements import numbers_text, pose_text, without_plugins
+from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
 _OF_LATER_VERSIONS = ("degrees", "rotation_format")
 """Attributes of poses that Gazebo Classic overlooks."""

@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
 from rsegen.input_files import regular_content
-from rsegen.robots.meshes import INLINE
+from rsegen.robots.files.meshes import INLINE
 
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH")
 """Variables that list the folders of models and of packages."""

@@ -11,8 +11,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from rsegen.robots.controllers import Controls
-from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.files.controllers import Controls
+from rsegen.robots.files.sdf_shapes import ModelFrames
 
 _ALONG = 0.99
 """Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""

@@ -20,9 +20,9 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.input_files import regular_content
-from rsegen.robots.sdf_elements import is_true, pose_text, put
-from rsegen.robots.sdf_shapes import ModelFrames
-from rsegen.robots.uris import found_uri, resolve_uris
+from rsegen.robots.files.sdf_elements import is_true, pose_text, put
+from rsegen.robots.files.sdf_shapes import ModelFrames
+from rsegen.robots.files.uris import found_uri, resolve_uris
 
 _MOST = 100
 """Models that are included at most, those in others too; makers' models have up to some ten."""
