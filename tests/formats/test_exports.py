@@ -19,6 +19,7 @@ from rsegen.formats.occupancy import Occupancy
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
 from rsegen.writing import resources, swap, undo
+from rsegen.writing.journal import OpenJournal
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 
@@ -53,6 +54,21 @@ def test_a_format_added_to_a_world_makes_the_world_that_has_it_from_the_start(tm
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
     assert all(path.stat().st_ino == stamps[path] for path in stamps if path.name != JOURNAL)
     assert made[0].names == ("formats.json", "heightmap/heightmap.json", "heightmap/rse_0000.png")
+
+
+def test_a_run_that_goes_on_tidies_the_journals_of_maps_that_were_complete(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As they are if a run is killed after the last file of a map, and before its journal is written anew."""
+    for name in ("a", "b"):
+        rsegen.generate(RECIPE, tmp_path / name)
+    with monkeypatch.context() as patch:
+        patch.setattr(OpenJournal, "tidy", lambda _: None)
+        export_maps([RECIPE], tmp_path / "a", [Heightmap()])
+    export_maps([RECIPE], tmp_path / "b", [Heightmap()])
+    assert contents(tmp_path / "a") != contents(tmp_path / "b")
+    assert export_maps([RECIPE], tmp_path / "a", [Heightmap()], resume=True) == ()
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
 
 
 def test_a_world_with_an_added_format_is_complete_for_resume(tmp_path: Path) -> None:

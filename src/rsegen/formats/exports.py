@@ -168,6 +168,7 @@ def plan_exports(
         seconds=fsum(recipe.maps / len(maps) * sidecar.seconds(prod(recipe.grid.shape)) for recipe in recipes),
         to_make=[export for export in planned if export.formats],
         existing=[export for export in planned if not export.formats],
+        added_to=[export.recipe.map_name(export.index) for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
         execution=replace(execution, workers=min(execution.workers, at_once)),
     )

@@ -103,6 +103,7 @@ class RunPlan(Generic[Item, Made]):
 
     product: a picklable function that makes an item   seconds: about how long an item takes; decides how the items are
     divided among workers, never the result   to_make: the items, in order   existing: items that exist and are kept
+    added_to: the folders of those to which files were added, whose journals are tidied
     replaces: whether folders that exist are replaced, if rsegen wrote them and they are unchanged
     what: the items in messages
     """
@@ -112,6 +113,7 @@ class RunPlan(Generic[Item, Made]):
     seconds: float
     to_make: Sequence[Item]
     existing: Sequence[Item] = ()
+    added_to: Sequence[str] = ()
     replaces: bool = False
     execution: Execution = field(default_factory=Execution)
     what: str = "maps"
@@ -133,6 +135,7 @@ def run_in(
     """
     if noted := NOTES.get():
         return tuple(_noted(noted, store.folder, plan))
+    store.tidy(plan.added_to)
     # Batches come in the order of the items; after each, results are reported, and an error ends the run.
     staging = partial(_stage, plan.product, store.staging.absolute(), sync=plan.execution.sync)
     made: list[Made] = []

@@ -19,7 +19,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from functools import cached_property
 from pathlib import Path, PurePosixPath
@@ -191,6 +191,13 @@ class Store:
             journal.tidy()
         self._renamed_in |= {(folder / name).parent for name in units}
         _remove(root)
+
+    def tidy(self, names: Iterable[str]) -> None:
+        """Tidy the journals of folders that are complete, as a run that was stopped may not have; not of busy ones."""
+        for folder in (self.folder / name for name in names):
+            with suppress(OutputError):
+                refuse_locked(folder)
+                OpenJournal(folder, self.staging, sync=self.sync).tidy()
 
     def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
