@@ -1114,10 +1114,14 @@ def test_the_focus_goes_back_to_what_opened_a_dialog_and_on_in_a_list(page: Page
         pressed(page, *ends)  # its cross has the focus
         until(lambda: focused(page) == "Help (?)")
     page.js("document.querySelectorAll('.rows .pick')[1].focus()")
-    for left in (1, 0):
+    for left, title in ((1, "Select this obstacle"), (0, "Add an obstacle")):
         pressed(page, Keys.DELETE)
-        until(lambda left=left: len(page.settled()["rows"]) == left)
-        until(lambda left=left: focused(page).startswith("Select this obstacle" if left else "Add an obstacle"))
+        until(partial(is_left, page, left, title))
+
+
+def is_left(page: Page, rows: int, title: str) -> bool:
+    """Return whether this number of obstacles is left, and the focus is on a button with this beginning of a title."""
+    return len(page.settled()["rows"]) == rows and focused(page).startswith(title)
 
 
 def test_a_menu_that_the_focus_leaves_is_closed(page: Page) -> None:
