@@ -243,7 +243,7 @@ class DraftFile:
 
     def is_free_for(self, draft: Draft) -> bool:
         """Return whether processes that have ended left no draft here, or one that was made of this draft."""
-        return self.recovered() is None or self.start in ("", start_of(draft))
+        return self.recovered() is None or self.start == start_of(draft)
 
     def _left(self) -> list[Path]:
         """Return the files of processes that have ended, the newest first; this one has none before it writes."""

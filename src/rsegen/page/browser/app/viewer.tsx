@@ -7,7 +7,7 @@ import { add, kindOf } from "./obstacles";
 import { Plan } from "./plan";
 import { Solid } from "./solid";
 import {
-  changeEntry, crossing, dark, drawing, drawings, drawnKind, edit, face, frozen, ghost, heading, hello, hover, isCramped, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  changeEntry, crossing, dark, drawing, drawings, drawnKind, edit, face, frozen, ghost, heading, hello, hover, isCramped, layout, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
   second, selected, settle, state, stays, told, tool, way, wayPoint, wayStart,
 } from "./state";
 import { best } from "./robot";
@@ -93,7 +93,7 @@ function aspect(): number {
 /* Whether the recipe shows wood or friction, which are no colours of heights. */
 const hasMaterial = () => scene.value?.palette.some(({ level, colour, surface }) => level && colour !== surface) ?? false;
 
-const MOST_ROWS = 7; // of a legend
+const MOST_ROWS = { wide: 7, narrow: 7, phone: 4 }; // of heights in a legend
 
 /* What the colours of the blocks mean, wherever they mean heights: the highest first, of many levels some; then the
    ground and the frame. */
@@ -101,7 +101,7 @@ function HeightLegend() {
   const map = scene.value;
   if (!map || (hasMaterial() && options.value.look !== "heights")) return null;
   const levels = map.palette.filter((each) => each.level).reverse();
-  const rows = Math.min(MOST_ROWS, levels.length);
+  const rows = Math.min(MOST_ROWS[layout.value], levels.length);
   const shown = levels.filter((_, at) => rows === levels.length || Array.from({ length: rows }, (_, k) => Math.round((k * (levels.length - 1)) / (rows - 1))).includes(at));
   const others = map.palette.filter((each) => !each.level).reverse(); // the ground, and the frame
   return (
