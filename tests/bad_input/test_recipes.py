@@ -21,7 +21,7 @@ OBSTACLES: Mapping[str, tuple[str, Sequence[str]]] = {
     "a misspelt parameter": ("peak levls=5", ["'levls'", "did you mean 'levels'?", "softness", "first"]),
     "the paper's word": ("peak max_height=5", ["unknown parameter of peak 'max_height'", "known: ", "levels"]),
     "another kind's parameter": ("peak levels=5 weights=1,2", ["'weights'", "parameter of peak", "softness"]),
-    "no height": ("peak", ["levels: missing; expected 2..32767 units (number of levels: 5 levels of 10 cm are"]),
+    "no height": ("peak", ["levels: missing; expected 2..32767 (number of levels: 5 levels of 10 cm are"]),
     "no equals sign": ("peak levels", ["'levels' is not KEY=VALUE"]),
     "spaces round the equals sign": ("peak levels = 5", ["'levels' is not KEY=VALUE, written without blanks"]),
     "a parameter twice": ("peak levels=5 levels=6", ["levels: is given twice"]),

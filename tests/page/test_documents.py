@@ -261,6 +261,23 @@ def test_changes_survive_a_kill(host: Host, what: str, state_folder: Path) -> No
 
 
 @pytest.mark.slow
+def test_changes_of_an_example_are_brought_back_there_and_in_a_new_recipe_and_nowhere_else(host: Host) -> None:
+    words = [sys.executable, "-c", _EDITOR, str(host.folder), "peak"]
+    subprocess.run(words, check=False, capture_output=True)
+
+    def recovered(what: str) -> bool:
+        state = calls.state(host.opened(calls.open(host, what=what)["doc"]))
+        assert bool(state["recovered"]) == state["unsaved"] == (state["values"]["unit_cm"] == 5)
+        return state["unsaved"]
+
+    assert not recovered("mixed-course")
+    assert recovered("peak")
+    subprocess.run(words, check=False, capture_output=True)
+    host.documents.clear()
+    assert recovered("")
+
+
+@pytest.mark.slow
 def test_a_draft_does_not_go_over_a_file_that_changed_since(host: Host, state_folder: Path) -> None:
     words = [sys.executable, "-c", _EDITOR, str(host.folder), "course.yaml"]
     subprocess.run(words, check=False, capture_output=True)

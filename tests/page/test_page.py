@@ -12,12 +12,14 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
+from rsegen.driving.prediction import Outcome, Prediction
 from rsegen.errors import TooLarge
 from rsegen.gazebo.map_summary import Costs, costs
 from rsegen.page import browser as page_files
@@ -29,6 +31,7 @@ from rsegen.page.shown_map import ShownMap
 from rsegen.page.shown_map import page as frozen_page
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
+from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.recipe_files import save
 from tests.page.test_files import drive as recorded
@@ -1091,6 +1094,141 @@ def test_a_drive_waits_for_a_map_that_is_slow_to_build_and_can_be_played_again(
     until(lambda: page.js("return state.second.value") == 2)
     page.button("Play again").click()
     until(lambda: 0 < page.js("return state.second.value") < 2)
+
+
+def pressed(page: Page, *keys: str) -> None:
+    ActionChains(page.chrome).send_keys(*keys).perform()
+
+
+def focused(page: Page) -> str:
+    return str(page.js("return document.activeElement.title"))
+
+
+def test_the_focus_goes_back_to_what_opened_a_dialog_and_on_in_a_list(page: Page) -> None:
+    for menu, kind in (("Add", "Peak"), ("Add", "Platform")):
+        page.choose(menu, kind)
+    page.js("document.querySelector('[title^=Help]').focus()")
+    for ends in ((Keys.ENTER,), (Keys.ESCAPE,)):
+        pressed(page, Keys.ENTER)
+        until(lambda: page.js("return document.activeElement.closest('dialog') !== null"))
+        pressed(page, *ends)  # its cross has the focus
+        until(lambda: focused(page) == "Help (?)")
+    page.js("document.querySelectorAll('.rows .pick')[1].focus()")
+    for left, title in ((1, "Select this obstacle"), (0, "Add an obstacle")):
+        pressed(page, Keys.DELETE)
+        until(partial(is_left, page, left, title))
+
+
+def is_left(page: Page, rows: int, title: str) -> bool:
+    """Return whether this number of obstacles is left, and the focus is on a button with this beginning of a title."""
+    return len(page.settled()["rows"]) == rows and focused(page).startswith(title)
+
+
+def test_a_menu_that_the_focus_leaves_is_closed(page: Page) -> None:
+    page.js("document.querySelector('[title=File]').focus()")
+    pressed(page, Keys.ENTER)
+    until(lambda: page.js("return document.activeElement.innerText") == "New")
+    pressed(page, Keys.END)
+    assert page.js("return document.activeElement.innerText") == "Manual of all commands"
+    pressed(page, Keys.TAB)
+    until(lambda: not page.chrome.find_elements(By.CSS_SELECTOR, ":popover-open"))
+    assert page.js("return document.activeElement.matches('button') && !document.activeElement.closest('[popover]')")
+
+
+def test_a_form_stays_while_a_text_is_selected_and_runs_once(page: Page, folder: Path) -> None:
+    page.js("state.dialog.value = { name: 'run', command: 'generate' }")
+    output = page.chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field^="Output folder"] input')
+    output.send_keys(Keys.CONTROL, "a", Keys.NULL, "once")
+    # A text that is selected with the mouse may end next to the dialog; a press there closes it.
+    ActionChains(page.chrome).click_and_hold(output).move_by_offset(-500, 0).release().perform()
+    assert page.js("return state.dialog.value?.command") == "generate"
+    assert output.get_attribute("value") == "once"
+    before = page.js("return state.jobs.value.length")
+    page.js("const run = document.querySelector('dialog [type=submit]'); run.click(); run.click();")
+    until(lambda: page.js("return state.jobs.value[0]?.state") == "done")
+    assert page.js("return state.jobs.value.length") == before + 1
+    assert (folder / "once").is_dir()
+    ActionChains(page.chrome).move_by_offset(0, 0).click().perform()
+    until(lambda: page.js("return state.dialog.value === null"))
+
+
+def test_the_legend_has_the_ground_and_the_frame(page: Page) -> None:
+    page.choose("Add", "Peak")
+    page.type("Height", "3")
+    page.settled()
+    until(lambda: page.chrome.find_element(By.CSS_SELECTOR, ".heights-legend").text == "20 cm\n0 cm\nframe")
+
+
+def test_a_problem_is_told_in_the_words_of_the_page(page: Page) -> None:
+    page.choose("Add", "Peak")
+    page.type("Height", "0")
+    until(
+        lambda: page.chrome.find_element(By.CSS_SELECTOR, ".stale").text.endswith(
+            "Obstacle 1, Height: 0 is outside 2..32767"
+        )
+    )
+    page.js("state.dialog.value = { name: 'run', command: 'generate' }")
+    assert (
+        "Obstacle 1, Height: 0 is outside" in page.chrome.find_element(By.CSS_SELECTOR, "dialog form > .problem").text
+    )
+
+
+def test_a_robot_of_a_file_is_placed_and_seen_in_its_drives(page: Page, folder: Path) -> None:
+    (folder / "deep").mkdir()
+    (folder / "deep" / "my.sdf").write_text(ROBOTS["burger"].file("mine"))
+    page.js("state.tab.value = 'robot'")
+    choice = '[data-field="Robot"]'
+    Select(page.chrome.find_element(By.CSS_SELECTOR, f"{choice} select")).select_by_visible_text("from a file …")
+    file = page.chrome.find_element(By.CSS_SELECTOR, f"{choice} input")
+    file.send_keys("deep/none.sdf", Keys.ENTER)
+    until(lambda: "No such file" in page.chrome.find_element(By.CSS_SELECTOR, ".status .problem").text)
+    file.send_keys(Keys.CONTROL, "a", Keys.NULL, "deep/my.sdf", Keys.ENTER)
+    until(lambda: page.js("return state.drawing.value?.title") == "mine")
+    view = page.chrome.find_element(By.CSS_SELECTOR, ".solid .view")
+    ActionChains(page.chrome).move_to_element(view).click().perform()
+    until(lambda: page.js("return state.pose.value !== null"))
+    place = page.js("return state.put.value")
+    ActionChains(page.chrome).move_to_element_with_offset(view, 40, 20).perform()
+    page.settled()
+    assert page.js("return state.put.value") == place  # it stays where it was put
+    drive = folder / "of-a-file"
+    drive.mkdir()
+    save(load(EXAMPLES["peak"]), drive / "recipe.json")
+    (drive / "drive.json").write_text(json.dumps({"robots": [{"name": "one", "kind": "mine"}]}))
+    (drive / "one.csv").write_text("t,x,y,z,roll,pitch,yaw\n0,-1.2,0,0,0,0,0\n5,1.2,0,0,0,0,0\n")
+    page.open_file("of-a-file")
+    until(lambda: page.js("return window.rsegen.solid.player?.robots.length") == 1)
+    assert page.js("return state.problem.value") is None
+    assert page.js("return state.drawings.value.get('mine').title") == "mine"
+    page.js("state.drawings.value = new Map(); state.playbacks.value = []; state.robot.value = ''")
+    page.open_file("of-a-file")
+    until(lambda: "choose it under Robot" in page.chrome.find_element(By.CSS_SELECTOR, ".status .problem").text)
+
+
+def test_a_prediction_says_how_likely_where_and_why(page: Page, monkeypatch: pytest.MonkeyPatch, axe: str) -> None:
+    path = np.array([[-0.7, 0.0], [0.1, 0.02]])
+    stuck = Outcome(seconds=None, path=path, reason="gets stuck on its hull")
+    across = Outcome(seconds=4.0, path=np.array([[-0.7, 0.0], [0.7, 0.0]]))
+    named = {"west_east": (stuck, stuck, across), "south_north": (across, across, across)}
+    made = {side: Prediction(outcomes=them, simulator="a simulator", motors="reaction") for side, them in named.items()}
+    monkeypatch.setattr("rsegen.driving.page.predictions", lambda robot, scene: made)
+    page.js("state.tab.value = 'robot'; return state.chooseRobot('burger')")
+    asks = "//button[normalize-space()='Does it cross?']"
+    page.chrome.find_element(By.XPATH, asks).click()
+    until(lambda: page.js("return state.crossing.value !== null"))
+    west, south = (
+        page.chrome.find_element(By.CSS_SELECTOR, f'[aria-label="{side}"]')
+        for side in ("west to east", "south to north")
+    )
+    assert "drives that cross\n1 of 3" in west.text
+    assert "time to cross\n4.0 s" in west.text
+    assert "Otherwise it mostly gets stuck on its hull at 0.10, 0.02 m (2 of 3 drives)." in west.text
+    assert "3 drives cannot prove 100 %." in south.text
+    assert page.js("return state.reach.value") is None
+    page.chrome.execute_script(axe)
+    assert _violations(page.chrome) == []
+    page.chrome.find_element(By.XPATH, asks).click()
+    assert page.js("return state.crossing.value") is None
 
 
 def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(page: Page) -> None:

@@ -360,11 +360,16 @@ def test_a_page_is_told_how_surely_a_robot_gets_across(host: Host, monkeypatch: 
     told = drives.crossing(host, doc=doc, index=0, robot="jackal")
     (found,) = made
     assert set(found) == {"west_east", "south_north"}
-    assert told["text"] == f"west to east: {found['west_east']}; south to north: {found['south_north']}"
+    assert told["text"] == ""
+    assert told["simulator"].endswith(f", {found['west_east'].motors} motors")
+    assert [side["name"] for side in told["sides"]] == ["west to east", "south to north"]
+    for side, prediction in zip(told["sides"], found.values(), strict=True):
+        assert (side["crossed"], side["drives"]) == (prediction.crossed, prediction.drives)
+        assert (side["probability"], side["seconds"]) == (prediction.probability, prediction.seconds)
+        assert [(end["reason"], end["x"], end["y"], end["drives"]) for end in side["ends"]] == list(prediction.ends)
     assert len(told["ways"]) == sum(prediction.drives for prediction in found.values())
     crossing = [way for way in told["ways"] if way["crosses"]]
     assert len(crossing) == sum(prediction.crossed for prediction in found.values()) > 0
     first, last = np.array(crossing[0]["points"])[[0, -1]]
     assert last[0] - first[0] > rsegen.build(low).extent[0]
-    assert told["spots"] == []
     assert json.dumps(told, allow_nan=False)

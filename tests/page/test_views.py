@@ -339,6 +339,33 @@ def test_keys_paint_at_a_cursor(browser: Chrome, view: str) -> None:
     assert [event[:2] for event in _said(browser, view, "paint")] == [[[[5, 4]], 5]]
 
 
+def test_keys_do_what_clicks_and_drags_do(browser: Chrome, view: str) -> None:
+    """From the north-west cell of blocks, (0, 5), two cells to the east."""
+
+    def press(*keys: str, shift: bool = False) -> None:
+        script = """arguments[0].forEach((key) => view.canvas.dispatchEvent(
+            new KeyboardEvent('keydown', { key, bubbles: true, shiftKey: arguments[1] })));"""
+        _run(browser, view, script, keys, shift)
+
+    _run(browser, view, "view.look('above')")
+    _tool(browser, view, name="draw")
+    press("Home", "Enter", "Escape", "ArrowRight", "Enter", "ArrowRight", "Enter")
+    assert _said(browser, view, "draw") == [[[1, 5], [2, 5]]]
+    _tool(browser, view, name="paint", shape="rectangle", level=5)
+    press("Home", "Enter", "ArrowRight", "ArrowDown", "Enter")
+    ((cells, level, _),) = _said(browser, view, "paint")
+    assert (sorted(cells), level) == ([[0, 4], [0, 5], [1, 4], [1, 5]], 5)
+    _tool(browser, view, name="way")
+    press("Home", "Enter", "ArrowRight", " ")
+    assert np.allclose(_said(browser, view, "wayPoint"), [[-0.35, 0.25], [-0.25, 0.25]])
+    _tool(browser, view, name="robot", heading=0)
+    press("Home", "ArrowRight")
+    assert np.allclose(_said(browser, view, "robotPut"), [[-0.35, 0.25], [-0.25, 0.25]])
+    press("ArrowLeft", shift=True)
+    assert _said(browser, view, "turn") == [[pytest.approx(np.pi / 36)]]
+    assert "arrow keys move the robot" in _run(browser, view, "return view.canvas.ariaLabel")
+
+
 def test_camera_turns_beside_the_map_and_rests_on_it_while_it_is_painted(browser: Chrome, solid: str) -> None:
     _tool(browser, solid, name="paint", shape="cells", level=1)
     place = "return view.stage.camera.position.toArray()"

@@ -114,9 +114,9 @@ def test_derived_keys_equal_keys_of_recipes_with_max_height() -> None:
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ({"levels": 1}, r"obstacles\[0\].levels: 1 is outside 2..32767 units"),
+        ({"levels": 1}, r"obstacles\[0\].levels: 1 is outside 2..32767"),
         ({"max_height": 5}, r"obstacles\[0\]: unknown parameter of peak 'max_height'.*known: .*levels"),
-        ({}, r"obstacles\[0\].levels: missing; expected 2..32767 units"),
+        ({}, r"obstacles\[0\].levels: missing; expected 2..32767"),
     ],
 )
 def test_wrong_missing_and_misnamed_levels_are_refused(row: dict[str, int], message: str) -> None:

@@ -27,15 +27,15 @@ import numpy as np
 
 from rsegen.driving.drive_metrics import COLUMNS, STILL, TIPPED, Trajectory, moves_by_window
 from rsegen.driving.planning import predictions
+from rsegen.driving.prediction import Prediction
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Mask
 from rsegen.input_files import text_of
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
 from rsegen.page.places import Places
-from rsegen.page.shown_map import base64_of
 from rsegen.params.watch import watched
-from rsegen.robots.page import DrawnReach, robot_of_page, scene_of_document
+from rsegen.robots.page import Across, robot_of_page, scene_of_document
 from rsegen.standing.draping import draped
 
 _MIB = 32
@@ -96,26 +96,63 @@ def playback(host: Host, *, path: str) -> Playback:
     }
 
 
-@call_of_host
-def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
-    """Return how surely a robot gets across a map, with all its drives.
+class DrawnEnd(TypedDict):
+    """A place where drives that do not cross end."""
 
-    A drive is a way: one that crosses, or one that ends where the robot stayed.
-    """
+    reason: str  # in words that follow "the robot"
+    x: float
+    y: float
+    drives: int
+
+
+class CrossingOfSide(TypedDict):
+    """A prediction of whether a robot gets from one side of a map to the other."""
+
+    name: str  # "west to east"
+    probability: float
+    crossed: int
+    drives: int
+    seconds: float | None  # until it is across, in the middle; null: no drive crosses
+    ends: list[DrawnEnd]  # the most frequent first
+
+
+class DrawnCrossing(TypedDict):
+    """A prediction of whether a robot gets across a map, with its drives."""
+
+    text: str  # why there is none
+    simulator: str  # with the model of motors
+    sides: list[CrossingOfSide]
+    ways: list[Across]  # of each drive: it crosses, or ends where the robot stayed
+
+
+@call_of_host
+def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnCrossing:
+    """Return how surely a robot gets across a map, with all its drives."""
     with host.opened(doc).newest_turn("crossing") as watch, watched(lambda _, share: watch(share)):
         scene = scene_of_document(host, doc, index)
-        found = predictions(robot_of_page(host, robot), scene)
-    sides = {side: side.replace("_", " to ") for side in found}
-    text = "; ".join(f"{name}: {found[side]}" for side, name in sides.items())
+        predicted = predictions(robot_of_page(host, robot), scene)
+    named = {side.replace("_", " to "): prediction for side, prediction in predicted.items()}
+    simulators = {f"{prediction.simulator}, {prediction.motors} motors" for prediction in named.values()}
     return {
-        "text": text or "MuJoCo is not installed, so it cannot be driven here",
-        "region": base64_of(np.ones(scene.field.shape), "u1"),
+        "text": "" if named else "MuJoCo is not installed, so it cannot be driven here",
+        "simulator": "; ".join(sorted(simulators)),
+        "sides": [_crossing_of_side(name, prediction) for name, prediction in named.items()],
         "ways": [
-            {"points": draped(scene.field, outcome.path).tolist(), "name": sides[side], "crosses": not outcome.reason}
-            for side, prediction in found.items()
+            {"points": draped(scene.field, outcome.path).tolist(), "name": name, "crosses": not outcome.reason}
+            for name, prediction in named.items()
             for outcome in prediction.outcomes
         ],
-        "spots": [],
+    }
+
+
+def _crossing_of_side(name: str, prediction: Prediction) -> CrossingOfSide:
+    return {
+        "name": name,
+        "probability": prediction.probability,
+        "crossed": prediction.crossed,
+        "drives": prediction.drives,
+        "seconds": prediction.seconds,
+        "ends": [{"reason": end.reason, "x": end.x, "y": end.y, "drives": end.drives} for end in prediction.ends],
     }
 
 

@@ -87,7 +87,7 @@ class TableRow:
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
     maps: Annotated[str, Choice(KINDS_OF_MAPS, help="what stands on the maps")] = "random"
-    levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
+    levels: Annotated[int, Integer(2, 1000, help="number of levels")] = 3
     unit_cm: Annotated[
         float, Float(0.001, 1000, unit="cm", help="unit of height; each block is a whole number of units high")
     ] = 0.3

@@ -45,7 +45,7 @@ class Picture(Measured):
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
 
-    levels: Annotated[int, Integer(2, 32767, unit="units", help="number of levels for the grey values")] = 5
+    levels: Annotated[int, Integer(2, 32767, help="number of levels for the grey values")] = 5
     invert: Annotated[bool, Flag(help="black is the highest")] = False
     threshold: Annotated[
         float | None, Float(0, 100, unit="%", help="two levels only: the highest for grey values from this on, else 0")

@@ -110,7 +110,6 @@ class Obstacle(ABC):
         Integer(
             2,
             MOST_LEVELS,
-            unit="units",
             usual=(2, 20),
             help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm above the ground",
         ),

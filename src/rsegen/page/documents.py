@@ -60,7 +60,7 @@ class Texts(TypedDict):
 def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
     """Open a new recipe, a file, an example, a map of a data set, or a drive with its map."""
     if not what:
-        return {"doc": host.open(Session.of()).id, "play": ""}
+        return {"doc": host.open().id, "play": ""}
     name, sharp, number = what.rpartition("#")
     path = host.places.inside(name if sharp and number.isdecimal() else what)
     if sharp and number.isdecimal():

@@ -300,13 +300,19 @@ class Host:
             raise UserError(f"document {name or '(none)'} is not open here any more: reload the page")
         return self.documents[name]
 
-    def open(self, session: Session, title: str = "untitled", text: str = "") -> Opened:
-        """Open a session that has no file as a document."""
+    def open(self, session: Session | None = None, title: str = "untitled", text: str = "") -> Opened:
+        """Open a session that has no file as a document; without one a new recipe.
+
+        A new recipe gets the changes of any document without a file that an earlier process did not save, another one
+        those of a document that began as it does.
+        """
+        begins = session or Session.of()
         with self._lock:
             taken = {opened.document.journal.name for opened in self.all()}
-            names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
-            journal = DraftFile(name=next(name for name in names if name not in taken))
-            return self._add(Document(session=session, journal=journal, title=title, text=text))
+            drafts = (DraftFile(name=f"{self.folder.resolve()}: untitled {number}") for number in count(1))
+            free = (draft for draft in drafts if draft.name not in taken)
+            journal = next(draft for draft in free if session is None or draft.is_free_for(begins.draft))
+            return self._add(Document(session=begins, journal=journal, title=title, text=text))
 
     def open_file(self, path: Path) -> Opened:
         """Open a recipe file as a document, or return the document that it is open as."""

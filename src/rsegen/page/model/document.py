@@ -61,6 +61,7 @@ class Document:
         self._stamp = self._stamp_now()
         self._began_with = _checksum(self.text.encode())
         self.session.changed = self._session_changed
+        self.journal.start = start_of(self._start)
         if recovered := self.journal.recovered():
             draft, self.recovered, self._began_with = recovered
             self.session.restore(draft)
@@ -188,14 +189,21 @@ def _read(path: Path) -> str:
     return (regular_content(path, most) or b"").decode("utf-8", "replace")
 
 
+def start_of(draft: Draft) -> str:
+    """Return a checksum of a draft as a document begins with it."""
+    return _checksum(json.dumps([dict(draft.values), [*map(dict, draft.rows)]], sort_keys=True, default=str).encode())
+
+
 @dataclass(kw_only=True, slots=True)
 class DraftFile:
     """The draft of one document on disk.
 
-    name: the document's path, or another text that only it has; failed: why the draft is not on disk, if it should be
+    name: the document's path, or another text that only it has; start: the checksum of what the draft was made of;
+    failed: why the draft is not on disk, if it should be
     """
 
     name: str
+    start: str = ""
     failed: str = ""
 
     def write(self, draft: Draft, began_with: str) -> None:
@@ -203,7 +211,7 @@ class DraftFile:
         when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         values, rows = dict(draft.values), [*map(dict, draft.rows)]
         content = {"name": self.name, "when": when, "began_with": began_with, "values": values, "rows": rows}
-        content["own"] = sorted(draft.own)
+        content |= {"own": sorted(draft.own), "start": self.start}
         try:
             write_state(self._stem, content)
             self.failed = ""
@@ -227,10 +235,15 @@ class DraftFile:
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
                 if content["name"] == self.name:
+                    self.start = str(content.get("start", ""))
                     values, own = MappingProxyType(dict(content["values"])), frozenset(map(str, content["own"]))
                     draft = Draft(values=values, rows=rows, own=own)
                     return draft, str(content["when"]), str(content["began_with"])
         return None
+
+    def is_free_for(self, draft: Draft) -> bool:
+        """Return whether processes that have ended left no draft here, or one that was made of this draft."""
+        return self.recovered() is None or self.start == start_of(draft)
 
     def _left(self) -> list[Path]:
         """Return the files of processes that have ended, the newest first; this one has none before it writes."""

@@ -8,16 +8,16 @@ import { copy } from "./results";
 import { MapChooser } from "./map";
 import { manual } from "./server";
 import {
-  busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, tab, tool,
+  busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, stays, tab, told, tool,
 } from "./state";
 import type { Tool } from "./views";
 
 export const TOOLS: { key: string; name: Tool["name"]; label: string; title: string; make: () => Tool }[] = [
   { key: "v", name: "select", label: "Select", title: "Select an obstacle; drag its ends and its height", make: () => ({ name: "select" }) },
   { key: "p", name: "paint", label: "Paint", title: "Set the level of cells", make: () => ({ name: "paint", shape: "cells", level: 1 }) },
-  { key: "d", name: "draw", label: "Draw", title: "Draw a new obstacle: drag from its first cell to its last", make: () => ({ name: "draw" }) },
-  { key: "r", name: "robot", label: "Robot", title: "Show how the robot stands under the mouse", make: () => ({ name: "robot", heading: heading.value }) },
-  { key: "w", name: "way", label: "Way", title: "Find the robot's best way: click its start, then its goal", make: () => ({ name: "way" }) },
+  { key: "d", name: "draw", label: "Draw", title: "Draw a new obstacle: drag from its first cell to its last, or press Enter at both", make: () => ({ name: "draw" }) },
+  { key: "r", name: "robot", label: "Robot", title: "Show how the robot stands under the mouse, or at the arrow keys", make: () => ({ name: "robot", heading: heading.value }) },
+  { key: "w", name: "way", label: "Way", title: "Find the robot's best way: click its start, then its goal, or press Enter there", make: () => ({ name: "way" }) },
 ];
 
 /* Take a tool; those of a robot choose the first one if none is chosen. */
@@ -28,6 +28,7 @@ export function takeTool(name: Tool["name"]): void {
     tab.value = "robot";
   }
   if (name === "draw") drawnKind.value = drawable().find((kind) => kind.name === rowAt(selected.value)?.entry.kind)?.name ?? drawnKind.value;
+  stays.value = false;
   tool.value = TOOLS.find((each) => each.name === name)!.make();
 }
 
@@ -131,7 +132,7 @@ export function Status({ note }: { note?: string }) {
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
       {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that you ran, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
-      {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
+      {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {told(problem.value)}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>
     </footer>

@@ -1,7 +1,7 @@
 /* The controls of the page: native ones, with a label, a unit, and the error of what was typed. */
 
 import { computed, signal } from "@preact/signals";
-import type { ComponentChildren, JSX, TargetedInputEvent, TargetedKeyboardEvent, TargetedToggleEvent } from "preact";
+import type { ComponentChildren, JSX, TargetedFocusEvent, TargetedInputEvent, TargetedKeyboardEvent, TargetedToggleEvent } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { equal, shown, typed, typedList } from "./exact";
 import type { Json } from "./protocol";
@@ -83,43 +83,56 @@ export function Menu({ label, icon, title, children, class: name = "", wide = fa
     menu.querySelector<HTMLElement>("button:not(:disabled)")?.focus();
   };
   const walk = (event: TargetedKeyboardEvent<HTMLDivElement>) => {
-    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
-    if (!step) return;
+    const items = [...list.current!.querySelectorAll<HTMLElement>("button:not(:disabled), a.button")];
+    const at = items.indexOf(document.activeElement as HTMLElement);
+    const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[event.key];
+    if (to === undefined) return;
     event.preventDefault();
-    const items = [...list.current!.querySelectorAll<HTMLElement>("button:not(:disabled)")];
-    items[(items.indexOf(document.activeElement as HTMLElement) + step + items.length) % items.length]?.focus();
+    items.at(to % items.length)?.focus();
+  };
+  // Tab out of the list closes it; otherwise it would lie over what has the focus.
+  const leave = ({ relatedTarget: to }: TargetedFocusEvent<HTMLDivElement>) => {
+    if (to instanceof Node && !list.current!.contains(to)) list.current!.hidePopover();
   };
   return (
     <>
       <button type="button" class={`${name} ${label ? "" : "square"}`} title={title} aria-label={label ? undefined : title}
-        popovertarget={id} aria-haspopup="true">
+        popovertarget={id}>
         {icon && <Icon name={icon} />}
         {label}
         {label && <Icon name="down" />}
       </button>
-      <div id={id} ref={list} popover="auto" class={wide ? "menu wide" : "menu"} onToggle={place} onKeyDown={walk}
-        onClick={(event) => (event.target as Element).closest("button") && list.current!.hidePopover()}>
+      <div id={id} ref={list} popover="auto" class={wide ? "menu wide" : "menu"} onToggle={place} onKeyDown={walk} onFocusOut={leave}
+        onClick={(event) => (event.target as Element).closest("button, a") && list.current!.hidePopover()}>
         {wide ? <div>{children}</div> : children}
       </div>
     </>
   );
 }
 
-/* A dialog over the page; Escape and its cross close it. */
+let opener: Element | null = null; // what had the focus before a dialog, and gets it again after it
+
+/* A dialog over the page; Escape, its cross and a press next to it close it. */
 export function Modal({ title, close, children, wide = false }: {
   title: string; close: () => void; children: ComponentChildren; wide?: boolean;
 }) {
   const box = useRef<HTMLDialogElement>(null);
   const id = useId();
+  const pressed = useRef<EventTarget | null>(null); // a text that is selected with the mouse may end next to the dialog
   useEffect(() => {
+    if (document.activeElement !== document.body) opener = document.activeElement;
     box.current!.showModal();
     const first = box.current!.querySelector<HTMLElement>(".body :is(input, select, textarea, button):not(:disabled)");
     first?.focus();
     if (!first) box.current!.querySelector<HTMLElement>(".body")!.tabIndex = 0; // to scroll it by keys
+    return () => setTimeout(() => {
+      if (document.activeElement === document.body && opener instanceof HTMLElement) opener.focus();
+    });
   }, []);
   return (
     <dialog ref={box} class={wide ? "wide" : ""} aria-labelledby={id} onClose={close}
-      onClick={(event) => event.target === box.current && close()}>
+      onPointerDown={(event) => (pressed.current = event.target)}
+      onClick={(event) => event.target === box.current && pressed.current === box.current && close()}>
       <header><h2 id={id}>{title}</h2><Button icon="close" title="Close" class="quiet" onClick={close} /></header>
       <div class="body">{children}</div>
     </dialog>

@@ -85,7 +85,7 @@ function WordOrText({ id, schema, name, value, empty, onChange }: ControlProps) 
   const choices = areRobots ? robots.map((robot) => [robot.name, robot.title] as const) : known.map((word) => [word, words(word)] as const);
   const isListed = choices.some(([word]) => word === value);
   const [isOther, takeOther] = useState(false);
-  const { props } = useTyped(value, (text) => text || undefined, onChange);
+  const { props } = useTyped(isListed ? undefined : value, (text) => text || undefined, onChange);
   const shows = isOther || (value !== undefined && !isListed);
   const choose = (choice: string) => {
     takeOther(choice === OTHER);

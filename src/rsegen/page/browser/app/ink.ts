@@ -1,8 +1,9 @@
 /* What is drawn on the plan, at places of the map in metres: cells, lines, ways, robots, and numbers around it. */
 
-import { ACCENT, START } from "./colours";
+import { ACCENT, START, TROUBLE } from "./colours";
 import { lettered, metres, outline, rgb, type Field, type Place, type Point } from "./field";
 import { boundsOf } from "./models";
+import { END } from "./overlay";
 import type { RobotShapes } from "./protocol";
 
 export const LEGIBLE = 17; // CSS pixels that a cell must have so that its height is written into it
@@ -115,8 +116,8 @@ export class Ink {
   }
 
   /* The start or the goal of a way. */
-  named(point: Spot, radius: number, name: "S" | "G"): void {
-    lettered(this.pen, this.at(point), Math.max(8, 1.3 * radius), name, name === "S" ? START : ACCENT);
+  named(point: Spot, radius: number, name: "S" | "G" | typeof END): void {
+    lettered(this.pen, this.at(point), Math.max(8, 1.3 * radius), name, name === "S" ? START : name === END ? TROUBLE : ACCENT);
   }
 
   /* A robot from above, with a head that shows where it faces. */
@@ -134,7 +135,7 @@ export class Ink {
   }
 
   /* Cells are counted below and on the left of the map, metres above and on the right. */
-  numbers([left, top, wide, high]: Box, isDark: boolean): void {
+  numbers([left, top, wide, high]: Box, isDark: boolean, textSize: number): void {
     const { pen, size, field, scale, corners: [[west, south], [east, north]] } = this;
     const [edgeX, edgeY] = [Math.min(left + wide, east), Math.min(top + high, south)];
     const [startX, startY] = [Math.max(left, west), Math.max(top, north)];
@@ -145,9 +146,9 @@ export class Ink {
       pen.fillText(String(value), x, y);
     };
     const isIn = (value: number, from: number, to: number) => value >= from - 0.5 && value <= to + 0.5;
-    pen.font = "11px system-ui, sans-serif";
+    pen.font = `${textSize}px system-ui, sans-serif`;
     pen.fillStyle = pen.strokeStyle = isDark ? "#a9b1bc" : "#5b626c";
-    const every = niceStep(22 / size, 1);
+    const every = niceStep((2 * textSize) / size, 1);
     field.blockX.forEach((block, i) => {
       const x = west + (i + 0.5) * size;
       if (block >= 0 && block % every === 0 && isIn(x, startX, edgeX)) text(block, x, edgeY + 5, "center", "top");
@@ -156,9 +157,9 @@ export class Ink {
       const y = south - (j + 0.5) * size;
       if (block >= 0 && block % every === 0 && isIn(y, startY, edgeY)) text(block, startX - 6, y, "right", "middle");
     });
-    text("cell", Math.max(0, startX - 30), edgeY + 5, "left", "top");
+    text("cell", Math.max(0, startX - 2.7 * textSize), edgeY + 5, "left", "top");
     text("m", edgeX + 8, edgeY + 5, "left", "top");
-    const step = niceStep(52 / scale, 0.01);
+    const step = niceStep((4.7 * textSize) / scale, 0.01);
     pen.lineWidth = 1;
     pen.beginPath();
     for (const value of marks((field.nX * field.width) / 2, step)) {

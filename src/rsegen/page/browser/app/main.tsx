@@ -48,8 +48,9 @@ function Help() {
     <Modal title="Help" close={() => (dialog.value = null)}>
       <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; where obstacles overlap, the later one replaces the earlier one. <b>Generate</b> writes its world for Gazebo.</p>
       <dl class="keys">
-        {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title.toLowerCase()}</dd></div>)}
+        {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title[0]!.toLowerCase() + each.title.slice(1)}</dd></div>)}
         <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level to paint with. To copy a real pallet: press an arrow key on the view or the plan, then type the level of each cell, row by row; Backspace goes back</dd></div>
+        <div><dt>arrow keys, <kbd>Enter</kbd> on the map</dt><dd>with Paint, Draw and Way: go to a cell, and do there what a click does; Home goes to the north-west cell. With Robot: move it, with Shift turn it. With Select: turn the view, <kbd>+</kbd> <kbd>-</kbd> zoom</dd></div>
         <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo, redo</dd></div>
         <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open a recipe</dd></div>
         <div><dt><kbd>Ctrl Enter</kbd></dt><dd>generate the maps</dd></div>

@@ -6,7 +6,7 @@ import { shown, times } from "./exact";
 import { Form } from "./fields";
 import type { Cell, Entry, Json, Kind, Row } from "./protocol";
 import {
-  cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, showGhost, state, tool,
+  HEADINGS, cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, showGhost, state, tool,
 } from "./state";
 
 /* What a kind looks like from above or the side, for lists; kinds of plug-ins have a square. */
@@ -38,7 +38,14 @@ export function add(kind: Kind, place: { first?: Cell; last?: Cell } = {}): void
 
 export function removeSelected(): void {
   const count = state.value?.rows.length ?? 0;
-  if (count) void edit({ do: "remove", row: selected.value >= 0 ? selected.value : count - 1 });
+  if (!count) return;
+  const isInList = document.activeElement?.closest(".rows");
+  void edit({ do: "remove", row: selected.value >= 0 ? selected.value : count - 1 }).then(() => isInList && setTimeout(focusList, 60)); // when it is drawn
+}
+
+/* Give the focus to the selected row, or if there is none to the button that adds one. */
+function focusList(): void {
+  document.querySelector<HTMLElement>(".rows .selected .pick, .obstacles:not(:has(.rows)) [title='Add an obstacle']")?.focus();
 }
 
 /* The heights that a number of levels stands for: 0, 10, 20 cm. */
@@ -166,9 +173,9 @@ function ObstacleForm({ row }: { row: number }) {
         <Select id={`${id}-kind`} value={shown(entry.kind)} onChange={turnInto}
           choices={[...(kind ? [] : [[shown(entry.kind), shown(entry.kind)] as const]), ...hello.value!.kinds.map((each) => [each.name, each.title, each.help] as const)]} />
       </Labelled>
-      {levels && <Measure name="levels" label="Height" unit="levels" help={levels.help} value={entry.levels} range={levels.slider} whole
+      {levels && <Measure name="levels" label={HEADINGS.levels} unit="levels" help={levels.help} value={entry.levels} range={levels.slider} whole
         note={heights(entry.levels)} problem={at("levels")} onChange={change} />}
-      {softness && <Measure name="softness" label="Softness" unit="%" help={softness.help} value={entry.softness ?? 0} range={softness.slider}
+      {softness && <Measure name="softness" label={HEADINGS.softness} unit="%" help={softness.help} value={entry.softness ?? 0} range={softness.slider}
         problem={at("softness")} onChange={change} />}
       <Place row={row} />
       <div class="field" data-field="Blend">

@@ -1,7 +1,7 @@
 /* What lies on the tops of blocks, or on the plan, as a picture: the poses of a robot, and where it gets. North is up. */
 
 import { bytesOf } from "./field";
-import type { PoseMap, DrawnReach, SceneData } from "./protocol";
+import type { PoseMap, DrawnCrossing, DrawnReach, SceneData } from "./protocol";
 
 export interface Overlay { canvas: HTMLCanvasElement; low: [number, number]; size: [number, number] } // metres
 
@@ -53,6 +53,11 @@ export function ofReach(reach: DrawnReach, scene: SceneData): Overlay {
   const size: [number, number] = [nX * scene.block_width, nY * scene.block_width];
   return { canvas, low: [-size[0] / 2, -size[1] / 2], size };
 }
+
+/* The mark where drives mostly end that do not cross, and its places: one for each side. */
+export const END = "×";
+export const endsOf = (crossing?: DrawnCrossing | null): [number, number][] =>
+  (crossing?.sides ?? []).flatMap(({ ends: [most] }) => (most ? [[most.x, most.y] as [number, number]] : []));
 
 type Colour = (at: number) => number[] | null; // null: hatched
 

@@ -4,14 +4,16 @@ import { ACCENT, BAD, GOOD, MARKS, START, TRAILS, TROUBLE } from "./colours";
 import { Field, rgb, type Place, type Point } from "./field";
 import { Ink, LEGIBLE, type Box, type Pixel } from "./ink";
 import { poseAt } from "./models";
-import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
-import type { Playback, DrawnPose, PoseMap, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
+import { END, endsOf, ofPoses, ofReach, painted, type Overlay } from "./overlay";
+import type { Playback, DrawnPose, PoseMap, DrawnCrossing, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
 const MARGINS = { left: 34, right: 44, top: 26, bottom: 26 };
+/* The size of numbers, CSS pixels: on a screen of many pixels they grow as the rest of the page. */
+const textSize = () => 11 * (parseFloat(getComputedStyle(document.documentElement).getPropertyValue("--small")) / 11.5 || 1);
 const NARROW = 210; // CSS pixels below which there are no margins, and so no numbers
 
 /* What lies over the map. */
@@ -23,6 +25,7 @@ interface Shown {
   pose?: DrawnPose | null;
   poses?: Overlay | null;
   reach?: DrawnReach | null;
+  crossing?: DrawnCrossing | null;
   way?: DrawnWay | null;
   start?: [number, number] | null;
   playback?: Playback | null;
@@ -34,6 +37,8 @@ export class Plan implements View, Board {
   field: Field | null = null;
   readonly canvas = document.createElement("canvas");
   private readonly tools: Tools;
+  readonly name = "Plan, north up";
+  readonly moved = "arrow keys move it";
   readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly sizes: ResizeObserver;
@@ -54,7 +59,6 @@ export class Plan implements View, Board {
     host.classList.add("view");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
-    this.canvas.setAttribute("aria-label", "Plan: arrow keys move it, plus and minus zoom");
     host.append(this.canvas);
     this.tools = new Tools(this, on);
     this.grips = new Grips(host);
@@ -113,8 +117,8 @@ export class Plan implements View, Board {
     this.draws({ poses: map && ofPoses(map, shown) });
   }
 
-  reach(reach: DrawnReach | null): void {
-    this.draws({ reach });
+  reach(reach: DrawnReach | null, crossing?: DrawnCrossing | null): void {
+    this.draws({ reach, crossing });
   }
 
   way(way: DrawnWay | null, start: [number, number] | null): void {
@@ -272,7 +276,9 @@ export class Plan implements View, Board {
   }
 
   private margins(width: number, height: number): typeof MARGINS {
-    return this.options.axes && Math.min(width, height) >= NARROW ? MARGINS : { left: 2, right: 2, top: 2, bottom: 2 };
+    const times = textSize() / 11;
+    if (!this.options.axes || Math.min(width, height) < NARROW * times) return { left: 2, right: 2, top: 2, bottom: 2 };
+    return { left: MARGINS.left * times, right: MARGINS.right * times, top: MARGINS.top * times, bottom: MARGINS.bottom * times };
   }
 
   private centre(width: number, height: number): Pixel {
@@ -345,7 +351,7 @@ export class Plan implements View, Board {
     this.drawRobot(ink);
     if (this.marked) ink.outline([this.marked.cell], "#ffffff", 3, "#000000");
     pen.restore();
-    if (left > 2) ink.numbers(box, this.options.dark);
+    if (left > 2) ink.numbers(box, this.options.dark, textSize());
   }
 
   /* The selected obstacle, one that is not added yet, and what a brush is about to change. */
@@ -371,10 +377,11 @@ export class Plan implements View, Board {
   }
 
   private drawWays(ink: Ink): void {
-    const { reach, way, start } = this.shown;
+    const { reach, crossing, way, start } = this.shown;
     const size = Math.max(3, Math.min(7, 0.3 * ink.size));
-    reach?.ways.forEach(({ points, crosses }) => ink.line(points, crosses ? START : TROUBLE, 3));
+    (crossing ?? reach)?.ways.forEach(({ points, crosses }) => ink.line(points, crosses ? START : TROUBLE, 3));
     reach?.spots.forEach(({ x, y, name }) => ink.named([x, y], size, name));
+    endsOf(crossing).forEach((end) => ink.named(end, size, END));
     const poses = way?.poses ?? [];
     if (start && !poses.length) ink.named(start, size, "S");
     if (!poses.length) return;

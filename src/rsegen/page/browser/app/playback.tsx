@@ -5,26 +5,35 @@ import { useEffect } from "preact/hooks";
 import { Button, Select } from "./controls";
 import type { Playback, RobotShapes } from "./protocol";
 import { call } from "./server";
-import { attempt, drawing, forgetRobot, hello, playbacks, played, robot, scene, second } from "./state";
+import { attempt, drawing, drawings, forgetRobot, hello, playbacks, played, problem, robot, scene, second } from "./state";
 
-export const drawings = signal<Map<string, RobotShapes>>(new Map());
 const plays = signal(false);
 const speed = signal<"0.25" | "1" | "4">("1");
 
-/* Play a drive; beside it the one that plays already, if asked for. */
-export async function play(path: string, beside = false): Promise<void> {
+/* Play a drive; beside it the one that plays already, if asked for. file: of its robot, if it is one of a file. */
+export async function play(path: string, beside = false, file = ""): Promise<void> {
   const drive = await attempt(() => call("playback", { path }));
   if (!drive) return;
   // The file of a robot may have changed since it was drawn.
   const isKept = (name: string) => drawings.value.has(name) && hello.value?.robots.some((each) => each.name === name);
   const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !isKept(name));
-  const made = await Promise.all(missing.map((robot) => attempt(() => call("robot", { robot }))));
+  const made = await Promise.all(missing.map((robot) => shapesOf(robot, file)));
   drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
+  const unknown = missing.filter((name) => !drawings.value.has(name));
+  if (unknown.length) problem.value = { where: "", text: `The file of ${unknown.join(", ")} is not known here: to see the robot drive, choose it under Robot, from a file` };
   if (!beside) played.value = path;
   playbacks.value = beside && playbacks.value.length ? [playbacks.value[0]!, drive] : [drive];
   if (playbacks.value.length === 1) choose(drive);
   second.value = 0;
   plays.value = true;
+}
+
+/* Return the drawing of a robot of a drive: of its kind, or of its file if the model in it has that name. */
+async function shapesOf(robot: string, file: string): Promise<RobotShapes | null> {
+  const get = (name: string) => call("robot", { robot: name }).catch(() => null);
+  if (hello.value?.robots.some(({ name }) => name === robot)) return get(robot);
+  const drawn = file ? await get(file) : null;
+  return drawn?.title === robot ? drawn : null;
 }
 
 /* Choose the robot of a drive, which the panel of robots then names and measures; the mouse keeps its tool. */

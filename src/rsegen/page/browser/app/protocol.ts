@@ -38,12 +38,30 @@ export interface MadeFile {
   kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive";
 }
 
-/* The area that a robot can reach. */
-export interface DrawnReach {
-  text: string; // "crosses west to east"
-  region: string; // base64 of uint8 for each cell: 1 where it gets
-  ways: Across[];
-  spots: StartOrGoal[];
+/* A prediction of whether a robot gets across a map, with its drives. */
+export interface DrawnCrossing {
+  text: string; // why there is none
+  simulator: string; // with the model of motors
+  sides: CrossingOfSide[];
+  ways: Across[]; // of each drive: it crosses, or ends where the robot stayed
+}
+
+/* A prediction of whether a robot gets from one side of a map to the other. */
+export interface CrossingOfSide {
+  name: string; // "west to east"
+  probability: number;
+  crossed: number;
+  drives: number;
+  seconds: number | null; // until it is across, in the middle; null: no drive crosses
+  ends: DrawnEnd[]; // the most frequent first
+}
+
+/* A place where drives that do not cross end. */
+export interface DrawnEnd {
+  reason: string; // in words that follow "the robot"
+  x: number;
+  y: number;
+  drives: number;
 }
 
 /* A way across a map, laid on the blocks. */
@@ -51,15 +69,6 @@ export interface Across {
   points: [number, number, number][];
   name: string;
   crosses: boolean;
-}
-
-/* A spot for a start or a goal. */
-export interface StartOrGoal {
-  x: number;
-  y: number;
-  z: number;
-  yaw: number;
-  name: "S" | "G";
 }
 
 /* The state after a change. */
@@ -359,6 +368,23 @@ export interface RatedTrial {
   crossed: boolean | null; // null: it has no result
 }
 
+/* The area that a robot can reach. */
+export interface DrawnReach {
+  text: string; // "crosses west to east"
+  region: string; // base64 of uint8 for each cell: 1 where it gets
+  ways: Across[];
+  spots: StartOrGoal[];
+}
+
+/* A spot for a start or a goal. */
+export interface StartOrGoal {
+  x: number;
+  y: number;
+  z: number;
+  yaw: number;
+  name: "S" | "G";
+}
+
 /* Everything that pages show of a document. */
 export interface State {
   doc: string;
@@ -560,7 +586,7 @@ export interface Calls {
   /* Close a document, and discard what is not saved; one that another page has open stays. */
   close: { args: { doc: string }; result: null };
   /* Return how surely a robot gets across a map, with all its drives. */
-  crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
+  crossing: { args: { doc: string; index: number; robot: string }; result: DrawnCrossing };
   /* Drive a trial again in MuJoCo, as a job that writes a drive next to the folder of its rating. */
   drive_trial: { args: { doc: string; path: string; judge: string; trial: number }; result: Job };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */

@@ -115,7 +115,7 @@ function Recipe({ map }: { map: SceneData }) {
         <Button icon="copy" title="Copy the text" class="quiet" onClick={() => void copy(text)} />
         <a class="button quiet" download={file} href={`data:text/plain;charset=utf-8,${encodeURIComponent(text)}`}>Download</a>
       </div>
-      <pre tabindex={0} aria-label="Recipe">{text}</pre>
+      <pre tabindex={0} role="group" aria-label="Recipe">{text}</pre>
       {frozen && <p class="note">To make this map again: <code>rsegen generate {map.file} -o worlds</code></p>}
     </>
   );

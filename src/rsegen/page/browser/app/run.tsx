@@ -2,11 +2,12 @@
 
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
+import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData } from "./protocol";
 import { call, fileOf, Failed, manual } from "./server";
-import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state, unreadIn } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state, told, unreadIn } from "./state";
 import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
 
@@ -77,13 +78,16 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
   const takesRecipe = command?.target === "recipe" && !target;
   if (!command) return <Modal title={name} close={close}><p>rsegen has no command {name}.</p></Modal>;
   const job = jobs.value.find((each) => each.id === number);
+  const isStarting = useRef(false); // a second press would be a second run
   const run = async (replace = false) => {
+    if (isStarting.current) return;
     fail(null);
     const unread = unreadIn(form.current!) ?? (takesRecipe ? unreadIn(document) : null);
     if (unread) return fail(unread);
     const missing = command.fields.find((field) => field.required && isEmpty(values[field.name]));
     if (missing) return fail({ where: missing.name, text: missing.missing ?? "" });
     remembered.set(name, { values, output });
+    isStarting.current = true;
     try {
       const started = await ask("run", { ...asked(), ...(replace && { replace }) });
       list(started);
@@ -91,6 +95,8 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
     } catch (error) {
       if (!(error instanceof Failed)) throw error;
       fail(error.failure);
+    } finally {
+      isStarting.current = false;
     }
   };
   const problems = (field: string) => (failure?.where === field ? failure.text : "");
@@ -108,9 +114,9 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; change((now) => ({ ...now, output: text })); }} />
           </Labelled>}
           <div class="shell">{line.text ? <code>{line.text}</code> : <small>{line.why}</small>}<Button icon="copy" class="quiet" title="Copy the command line" disabled={!line.text} onClick={() => void copy(line.text)} /></div>
-          {state.value?.problem && takesRecipe && <p class="problem" role="alert">Correct the recipe first: {state.value.problem.where}: {state.value.problem.text}</p>}
+          {state.value?.problem && takesRecipe && <p class="problem" role="alert">Correct the recipe first: {told(state.value.problem)}</p>}
           <footer class="actions">
-            {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
+            {elsewhere && <p class="problem" role="alert">{told(failure)}</p>}
             {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
             <button type="button" onClick={close}>Cancel</button>
             <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && takesRecipe}>{failure?.kind === "exists" ? "Replace the existing files" : "Run"}</button></footer>
@@ -140,8 +146,8 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       <MadeMaps job={job} />
       <ul class="files">{job.files.filter((file) => file.kind !== "picture" && file.kind !== "recipe").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
-          {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
-            {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play next to the other</button>}</>}
+          {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path, false, robotOf(job)); }}>Play</button>
+            {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true, robotOf(job)); }}>Play next to the other</button>}</>}
           {file.kind === "dataset" && <button type="button" onClick={() => void leaveFor(`${file.path}#0`)}>Open</button>}
           {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
           {file.kind !== "drive" && file.kind !== "dataset" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
@@ -150,12 +156,15 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
         {job.state === "running" ? <button type="button" onClick={() => void attempt(() => call("cancel", { job: job.id }))}>Cancel the run</button> : again && <button type="button" onClick={again}>Change and run again</button>}
         {job.files.length > 0 && <ShowFolder path={commonFolder(job.files)} />}
         {job.opens && <button type="button" class="primary" onClick={() => void leaveFor(job.opens!)}>Open the recipe</button>}
-        {drives.length > 0 && <button type="button" class="primary" onClick={() => { dialog.value = null; void play(drives[0]!.path); }}>Play</button>}
+        {drives.length > 0 && <button type="button" class="primary" onClick={() => { dialog.value = null; void play(drives[0]!.path, false, robotOf(job)); }}>Play</button>}
         <button type="button" onClick={() => (dialog.value = null)}>Close</button>
       </footer>
     </div>
   );
 }
+
+/* The robot that was chosen last for the command of a run: drives know one of a file by the name of its model alone. */
+const robotOf = (job: Job) => shown(remembered.get(job.command)?.values.robot);
 
 type Made = Job["files"][number];
 const folderOf = (file: Made) => file.path.replace(/\/?[^/]*$/, "");
@@ -255,7 +264,7 @@ function Report({ text, isBad }: { text: string; isBad: boolean }) {
   return <>{text.split(/((?:^\|.*\|$\n?)+|^#+ .*$)/m).map((part, at) => {
     if (!part.trim()) return null;
     if (part.startsWith("#")) return <h3 key={at}>{part.replace(/^#+ /, "")}</h3>;
-    if (!part.startsWith("|")) return <pre key={at} tabindex={0} aria-label="Report" class={isBad ? "bad" : ""}>{part.trim()}</pre>;
+    if (!part.startsWith("|")) return <pre key={at} tabindex={0} role="group" aria-label="Report" class={isBad ? "bad" : ""}>{part.trim()}</pre>;
     const rows = part.trim().split("\n").map((row) => row.slice(1, -1).split("|").map((cell) => cell.trim()));
     return <Rows key={at} rows={rows.filter((row) => !row.every((cell) => /^:?-+:?$/.test(cell)))} />;
   })}</>;

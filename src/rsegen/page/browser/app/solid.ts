@@ -9,8 +9,8 @@ import { blocksOf } from "./blocks";
 import { ACCENT, BAD, START, TROUBLE } from "./colours";
 import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, letter, linesOf, pairs, restOf, rotationOf } from "./models";
-import { ofPoses, ofReach, type Overlay } from "./overlay";
-import type { Playback, DrawnPose, PoseMap, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
+import { END, endsOf, ofPoses, ofReach, type Overlay } from "./overlay";
+import type { Playback, DrawnPose, PoseMap, DrawnCrossing, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
@@ -28,6 +28,8 @@ export class Solid implements View, Board {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly tools: Tools;
+  readonly name = "3D view";
+  readonly moved = "arrow keys turn it";
   readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly axes: HTMLElement[];
@@ -54,7 +56,6 @@ export class Solid implements View, Board {
   constructor(readonly host: HTMLElement, on: ViewEvents) {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
-    this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
     this.renderer = rendererOf(this.canvas); // first: nothing is in the page if it fails
     host.classList.add("view");
     host.append(this.canvas);
@@ -164,24 +165,29 @@ export class Solid implements View, Board {
     this.lay();
   }
 
-  reach(reach: DrawnReach | null): void {
+  reach(reach: DrawnReach | null, crossing?: DrawnCrossing | null): void {
     this.shownReach = reach;
-    const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
+    const ways = (crossing ?? reach)?.ways.map(({ points, crosses }) =>
       linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
-    );
+    ) ?? [];
+    const ends = endsOf(crossing).map((end) => letter(this.ground(end), END, TROUBLE));
     const spots = (reach?.spots ?? []).map(({ x, y, z, name }) =>
       letter([x, y, z], name, name === "S" ? START : ACCENT),
     );
-    this.part("reach", [...ways, ...spots]);
+    this.part("reach", [...ways, ...spots, ...ends]);
     this.lay();
+  }
+
+  /* The point on the map above or below a place. */
+  private ground([x, y]: [number, number]): Point {
+    return [x, y, this.field ? this.field.height(...this.field.place(x, y)) : 0];
   }
 
   way(way: DrawnWay | null, start: [number, number] | null): void {
     const { field } = this;
     const size = 0.22 * (field?.width ?? 0.1);
     const parts: Object3D[] = [];
-    const ground = ([x, y]: [number, number]): Point => [x, y, field ? field.height(...field.place(x, y)) : 0];
-    if (start && !way?.poses.length) parts.push(letter(ground(start), "S", START));
+    if (start && !way?.poses.length) parts.push(letter(this.ground(start), "S", START));
     if (way?.poses.length) {
       const points = way.poses.map(([x, y, z]): Point => [x, y, z + 0.1 * size]);
       parts.push(linesOf(pairs(points), { colour: "#ffffff", width: 7, opacity: 0.8, hidden: true }));

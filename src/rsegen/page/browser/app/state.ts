@@ -6,7 +6,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, MapResults, Playback, DrawnPose, PoseMap, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
+  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, MapResults, Playback, DrawnPose, PoseMap, DrawnCrossing, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
 
@@ -38,10 +38,13 @@ export const robot = signal(""); // its name; empty: none
 export const drawing = signal<RobotShapes | null>(null);
 export const heading = signal(0);
 export const put = signal<[number, number] | null>(null); // where it was put: tilted, its origin is a little aside
+export const stays = signal(false); // it was put there by a click or a key, and does not follow the mouse any more
+export const drawings = signal<Map<string, RobotShapes>>(new Map()); // by names of kinds, and by those that models have in files
 export const pose = signal<DrawnPose | null>(null);
 export const poseMap = signal<PoseMap | null>(null);
 export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
 export const reach = signal<DrawnReach | null>(null);
+export const crossing = signal<DrawnCrossing | null>(null); // a prediction
 export const wayStart = signal<[number, number] | null>(null);
 export const way = signal<DrawnWay | null>(null);
 export type Searched = "tilt" | "reach" | "crossing" | "way";
@@ -308,6 +311,19 @@ export function problemAt(where: string): string {
   return found?.text ?? "";
 }
 
+/* What parameters of an obstacle are called in its form. */
+export const HEADINGS = { levels: "Height", softness: "Softness" };
+
+/* A problem in the words of the page: of obstacles[2].levels, "Obstacle 3, Height". */
+export function told({ where, text }: Failure): string {
+  const [, row, name] = /^obstacles\[(\d+)\](?:\.(\w+))?/.exec(where) ?? [];
+  const kind = hello.value?.kinds.find((each) => each.name === rowAt(Number(row))?.entry.kind);
+  const fields = row === undefined ? (hello.value?.globals.flatMap((group) => group.fields) ?? []) : [...(kind?.fields ?? []), ...(kind?.place ?? [])];
+  const title = HEADINGS[name as keyof typeof HEADINGS] ?? fields.find((field) => field.name === (name ?? where))?.title ?? name ?? where;
+  const place = row === undefined ? title : `Obstacle ${Number(row) + 1}${name ? `, ${title}` : ""}`;
+  return place ? `${place}: ${text}` : text;
+}
+
 export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
 
 /* The parameters that have a number for each level, for another number of levels: new levels are as likely as the last,
@@ -360,16 +376,25 @@ export async function reload(): Promise<void> {
 
 export function forgetRobot(): void {
   stopSearch();
-  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put.value = null;
+  pose.value = poseMap.value = reach.value = crossing.value = way.value = wayStart.value = put.value = null;
+  stays.value = false;
 }
 
 export async function chooseRobot(name: string): Promise<void> {
   robot.value = name;
   drawing.value = null;
   forgetRobot();
-  if (name) drawing.value = await attempt(() => call("robot", { robot: name }));
-  if (name && drawing.value) tool.value = { name: "robot", heading: heading.value };
+  if (!name) return;
+  const shapes = await attempt(() => call("robot", { robot: name }));
+  if (robot.value !== name) return; // another one was chosen meanwhile
+  if (!shapes) return void (robot.value = "");
+  drawing.value = shapes;
+  drawings.value = new Map([...drawings.value, [name, shapes], ...(isOfFile(name) ? [[shapes.title, shapes] as const] : [])]);
+  tool.value = { name: "robot", heading: heading.value };
 }
+
+/* Whether a robot is a file: its model has another name, by which drives know it. */
+const isOfFile = (name: string) => /[./]/.test(name);
 
 const ofRobot = () => ({ index: index.value, robot: robot.value });
 
@@ -425,9 +450,9 @@ export async function showReach(): Promise<void> {
   reach.value = (await search("reach", {})) ?? reach.value;
 }
 
-/* How surely it gets across, with all drives that tell it. */
+/* Predict whether it gets across, by many drives. */
 export async function showCrossing(): Promise<void> {
-  reach.value = (await search("crossing", {})) ?? reach.value;
+  crossing.value = (await search("crossing", {})) ?? crossing.value;
 }
 
 export async function wayPoint(x: number, y: number, best: Calls["way"]["args"]["best"]): Promise<void> {

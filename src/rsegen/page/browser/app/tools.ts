@@ -19,6 +19,8 @@ export interface Board {
   readonly host: HTMLElement;
   readonly canvas: HTMLCanvasElement;
   readonly grips: Grips;
+  readonly name: string; // "Plan"
+  readonly moved: string; // "arrow keys move it"
   field: Field | null;
   spotAt(x: number, y: number, field: Field): Spot | null; // what is seen at a pixel
   planeAt(x: number, y: number, z: number): [number, number] | null; // where a pixel is on a level plane
@@ -46,12 +48,21 @@ const NEARER: Record<string, number | undefined> = { "+": 0.85, "=": 0.85, "-": 
 const STILL = 5; // CSS pixels that the mouse may move in a click
 let gestures = 0;
 
+/* What keys do on a view with the tools that work on cells. */
+const BY_KEYS: Partial<Record<Tool["name"], string>> = {
+  paint: "arrow keys go from cell to cell, Enter or a digit paints",
+  draw: "arrow keys go from cell to cell, Enter sets the first cell and then the last",
+  robot: "arrow keys move the robot, with Shift they turn it",
+  way: "arrow keys go from cell to cell, Enter sets the start and then the goal",
+};
+
 export class Tools {
   tool: Tool = { name: "select" };
   private drag: Drag | null = null;
   private gesture = "";
   private pointers = new Set<number>();
-  private cursor: Place | null = null;
+  private cursor: Place | null = null; // of keys, with a tool that works on cells
+  private corner: Place | null = null; // of an area that keys span from here to the cursor
   private keyed: { cell: Cell; levels: number; when: number } | null = null; // where keys have moved a handle
   private readonly ends = new AbortController();
 
@@ -75,7 +86,9 @@ export class Tools {
   set(tool: Tool): void {
     if (tool.name !== this.tool.name) this.cancel();
     this.tool = tool;
-    if (tool.name !== "paint") this.cursor = null;
+    if (tool.name === "select") this.cursor = null;
+    const { canvas, name, moved } = this.board;
+    canvas.setAttribute("aria-label", `${name}: ${BY_KEYS[tool.name] ?? moved}, plus and minus zoom`);
   }
 
   /* A new map is shown: what was only a preview is now there. */
@@ -113,7 +126,7 @@ export class Tools {
     board.lets(this.drag?.kind === "click", this.isEditing);
     if (this.drag && this.drag.kind !== "click") board.canvas.setPointerCapture(event.pointerId);
     if (this.drag?.kind === "stroke") this.paint(this.drag, [this.drag.now]);
-    if (this.drag?.kind === "area") this.outlined(this.drag);
+    if (this.drag?.kind === "area") this.outlined(this.drag.from, this.drag.to);
   }
 
   /* From now on, changes are undone together. */
@@ -181,26 +194,29 @@ export class Tools {
       if (!at) return;
       const [i, j] = drag.field.place(...at);
       drag.to = [Math.min(drag.field.nX - 1, Math.max(0, i)), Math.min(drag.field.nY - 1, Math.max(0, j))];
-      this.outlined(drag);
+      this.outlined(drag.from, drag.to);
     }
   }
 
   private up(event: PointerEvent): void {
     this.pointers.delete(event.pointerId);
-    const { drag, tool, on, board } = this;
+    const { drag, board } = this;
     if (!drag || event.type !== "pointerup") return;
     this.drag = null;
     board.grips.held(null);
     if (drag.kind === "click") {
       const [x, y] = this.pixel(event);
       if (Math.hypot(x - drag.x, y - drag.y) <= STILL) this.click(drag.spot);
-    } else if (drag.kind === "area") {
-      const cells = rectangle(drag.from, drag.to);
-      if (tool.name === "draw") {
-        board.preview(null);
-        on.draw?.(drag.field.nearest(drag.from), drag.field.nearest(drag.to));
-      } else if (tool.name === "paint") on.paint?.(blocksOf(drag.field, cells), tool.level, this.gesture);
-    }
+    } else if (drag.kind === "area") this.made(drag.field, drag.from, drag.to);
+  }
+
+  /* Draw an obstacle over an area, or paint it. */
+  private made(field: Field, from: Place, to: Place): void {
+    const { tool, on, board } = this;
+    if (tool.name === "draw") {
+      board.preview(null);
+      on.draw?.(field.nearest(from), field.nearest(to));
+    } else if (tool.name === "paint") on.paint?.(blocksOf(field, rectangle(from, to)), tool.level, this.gesture);
   }
 
   private click(spot: Spot | null): void {
@@ -245,15 +261,19 @@ export class Tools {
     this.on.paint?.(blocksOf(drag.field, more), this.tool.level, this.gesture);
   }
 
-  private outlined(drag: Drag & { kind: "area" }): void {
+  private outlined(from: Place, to: Place): void {
     const level = this.tool.name === "paint" ? this.tool.level : null;
-    this.board.preview({ cells: rectangle(drag.from, drag.to), level });
+    this.board.preview({ cells: rectangle(from, to), level });
   }
 
   /* End a drag, and take back what can be taken back: an end is where it was, an area is not made. */
   cancel(): void {
     const { drag, board } = this;
     this.drag = null;
+    if (this.corner) {
+      this.corner = null;
+      board.preview(null);
+    }
     if (!drag || drag.kind === "click") return;
     board.grips.held(null);
     if (drag.kind === "end") this.moveEnd(drag, drag.start);
@@ -268,14 +288,15 @@ export class Tools {
     const grip = board.grips.of(event.target);
     if (grip && arrow) this.moveGrip(board.field, grip, arrow, event.shiftKey);
     else if (event.target !== board.canvas) return;
-    else if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
+    else if (arrow && arrow[0] && event.shiftKey && tool.name === "robot") this.on.turn?.((-arrow[0] * Math.PI) / 36);
+    else if (arrow && tool.name !== "select") this.moveCursor(board.field, board.towards(...arrow));
     else if (arrow) board.turn(...arrow);
     else if (nearer) board.zoom(nearer);
-    else if (event.key === "Escape" && this.drag && this.drag.kind !== "click") this.cancel();
-    else if ((event.key === "Enter" || event.key === " ") && this.cursor) this.paintCursor(board.field, this.cursor);
-    else if (event.key === "Home" && tool.name === "paint") this.putCursor(board.field, board.field.blocks[0] ?? null);
-    else if (this.cursor && /^[0-9]$/.test(event.key)) this.typeLevel(board.field, this.cursor, Number(event.key), 1);
-    else if (this.cursor && event.key === "Backspace") this.typeLevel(board.field, this.nextTo(board.field, this.cursor, -1), -1, 0);
+    else if (event.key === "Escape" && (this.corner || (this.drag && this.drag.kind !== "click"))) this.cancel();
+    else if ((event.key === "Enter" || event.key === " ") && this.cursor) this.press(board.field, this.cursor);
+    else if (event.key === "Home" && tool.name !== "select") this.putCursor(board.field, board.field.blocks[0] ?? null);
+    else if (tool.name === "paint" && this.cursor && /^[0-9]$/.test(event.key)) this.typeLevel(board.field, this.cursor, Number(event.key), 1);
+    else if (tool.name === "paint" && this.cursor && event.key === "Backspace") this.typeLevel(board.field, this.nextTo(board.field, this.cursor, -1), -1, 0);
     else return;
     event.preventDefault();
     event.stopPropagation();
@@ -309,6 +330,8 @@ export class Tools {
     const spot = { cell, point: field.top(...cell) };
     this.board.mark(spot);
     this.on.hover?.(field.hover(spot.cell, spot.point));
+    if (this.corner) this.outlined(this.corner, cell);
+    if (this.tool.name === "robot") this.on.robotPut?.(spot.point[0], spot.point[1]);
   }
 
   /* The block after or before a cell, as one reads: from the west to the east, row by row from the north. */
@@ -323,6 +346,23 @@ export class Tools {
     this.begin();
     if (field.block(cell)) this.on.paint?.(blocksOf(field, [cell]), level, this.gesture);
     this.putCursor(field, by ? this.nextTo(field, cell, by) : cell);
+  }
+
+  /* Do at the cursor of keys what a click or a drag of the mouse does. */
+  private press(field: Field, cell: Place): void {
+    const { tool, on } = this;
+    const [x, y] = field.top(...cell);
+    if (tool.name === "robot") on.robotPut?.(x, y);
+    else if (tool.name === "way") on.wayPoint?.(x, y);
+    else if (tool.name !== "draw" && !(tool.name === "paint" && tool.shape === "rectangle")) this.paintCursor(field, cell);
+    else if (this.corner) {
+      this.begin();
+      this.made(field, this.corner, cell);
+      this.corner = null;
+    } else {
+      this.corner = cell;
+      this.outlined(cell, cell);
+    }
   }
 
   private paintCursor(field: Field, cell: Place): void {

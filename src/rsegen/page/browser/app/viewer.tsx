@@ -7,11 +7,11 @@ import { add, kindOf } from "./obstacles";
 import { Plan } from "./plan";
 import { Solid } from "./solid";
 import {
-  changeEntry, dark, drawing, drawnKind, edit, face, frozen, ghost, heading, hello, hover, isCramped, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
-  second, selected, settle, state, tool, way, wayPoint, wayStart,
+  changeEntry, crossing, dark, drawing, drawings, drawnKind, edit, face, frozen, ghost, heading, hello, hover, isCramped, layout, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  second, selected, settle, state, stays, told, tool, way, wayPoint, wayStart,
 } from "./state";
 import { best } from "./robot";
-import { Timeline, drawings } from "./playback";
+import { Timeline } from "./playback";
 import type { Tool, View, ViewEvents } from "./views";
 
 const never: Tool = { name: "select" };
@@ -29,8 +29,11 @@ const editing: ViewEvents = {
     if (kind) add(kind, { first, last });
     tool.value = { name: "select" };
   },
-  robotAt: (x, y) => settle(x, y),
-  robotPut: (x, y) => settle(x, y),
+  robotAt: (x, y) => { if (!stays.value) settle(x, y); },
+  robotPut: (x, y) => {
+    stays.value = true;
+    settle(x, y);
+  },
   turn: (by) => face(heading.value + by),
   wayPoint: (x, y) => void wayPoint(x, y, best.value),
 };
@@ -49,7 +52,7 @@ function follow(view: View, player: number): () => void {
     effect(() => view.ghost(ghost.value?.scene ?? null, ghost.value?.row ?? -1)),
     effect(() => view.robot(drawing.value, playbacks.value.length ? null : pose.value)),
     effect(() => view.poseMap(poseMap.value, mapShown.value)),
-    effect(() => view.reach(reach.value)),
+    effect(() => view.reach(reach.value, crossing.value)),
     effect(() => view.way(way.value, wayStart.value)),
     // A drive is on its map: without one there is nothing to drive on, and the sizes of its marks are those of cells.
     effect(() => view.play((scene.value && playbacks.value[player]) ?? null, drawings.value)),
@@ -90,19 +93,21 @@ function aspect(): number {
 /* Whether the recipe shows wood or friction, which are no colours of heights. */
 const hasMaterial = () => scene.value?.palette.some(({ level, colour, surface }) => level && colour !== surface) ?? false;
 
-const MOST_ROWS = 7; // of a legend
+const MOST_ROWS = { wide: 7, narrow: 7, phone: 4 }; // of heights in a legend
 
-/* What the colours of the blocks mean, wherever they mean heights: the highest first, of many levels some. */
+/* What the colours of the blocks mean, wherever they mean heights: the highest first, of many levels some; then the
+   ground and the frame. */
 function HeightLegend() {
   const map = scene.value;
   if (!map || (hasMaterial() && options.value.look !== "heights")) return null;
   const levels = map.palette.filter((each) => each.level).reverse();
-  const rows = Math.min(MOST_ROWS, levels.length);
+  const rows = Math.min(MOST_ROWS[layout.value], levels.length);
   const shown = levels.filter((_, at) => rows === levels.length || Array.from({ length: rows }, (_, k) => Math.round((k * (levels.length - 1)) / (rows - 1))).includes(at));
-  if (!shown.length) return null;
+  const others = map.palette.filter((each) => !each.level).reverse(); // the ground, and the frame
   return (
     <ul class="over legend heights-legend" aria-label={`Colours of heights, ${map.unit}`}>
-      {shown.map((each) => <li key={each.level} class="key"><i style={{ background: each.colour }} />{each.label} {map.unit}</li>)}
+      {[...shown, ...others].map((each) => (
+        <li key={each.level} class="key"><i style={{ background: each.colour }} />{each.level === null ? "frame" : `${each.label} ${map.unit}`}</li>))}
     </ul>
   );
 }
@@ -132,7 +137,7 @@ export function Stage() {
         </div>
         <HeightLegend />
         {!scene.value && <p class="over empty">Drawing the map …</p>}
-        {state.value?.problem && <p class="over stale" role="status">This is the last valid map. {state.value.problem.where}: {state.value.problem.text}</p>}
+        {state.value?.problem && <p class="over stale" role="status">This is the last valid map. {told(state.value.problem)}</p>}
       </div>
       {given !== "hidden" && (
         <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>

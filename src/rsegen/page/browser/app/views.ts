@@ -3,7 +3,7 @@
    Solid of solid.ts and Plan of plan.ts are made of their host element and what they tell. Both draw into their host element, follow
    its size, and draw only when something changed. Neither knows the server, nor keeps what the document says. */
 
-import type { Cell, Playback, DrawnPose, PoseMap, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
+import type { Cell, Playback, DrawnPose, PoseMap, DrawnCrossing, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
 
 /* What the mouse does. select: pick obstacles, drag their ends and the middle, raise them by a drag of their top handle;
    paint: cells get a level; draw: a drag gives a new obstacle its two ends; robot: it settles where the mouse is;
@@ -46,7 +46,7 @@ export interface View {
   ghost(scene: SceneData | null, row: number): void; // an obstacle that is not added yet: only cells of this owner
   robot(drawing: RobotShapes | null, pose: DrawnPose | null): void; // red where it does not stand, contacts and polygon
   poseMap(map: PoseMap | null, shown: "tilt" | "margin" | "reason"): void; // coloured over the blocks
-  reach(reach: DrawnReach | null): void;
+  reach(reach: DrawnReach | null, crossing?: DrawnCrossing | null): void; // drives of a prediction take the place of ways
   way(way: DrawnWay | null, start: [number, number] | null): void;
   play(playback: Playback | null, drawings: Map<string, RobotShapes>): void; // by name of the kind of robot
   at(second: number): void; // of the playback
