@@ -403,7 +403,7 @@ def way(  # noqa: PLR0913  # each is named by the page
     robot: str,
     start: tuple[float, float],
     goal: tuple[float, float],
-    best: Literal["length", "tilt", "margin"] = "length",
+    best: Literal["safe", "length", "tilt", "margin"] = "safe",
 ) -> DrawnWay:
     """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
     for place in (start, goal):

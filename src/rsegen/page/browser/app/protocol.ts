@@ -644,5 +644,5 @@ export interface Calls {
   /* Return the first map of a document's recipe at fresh seeds. */
   variants: { args: { doc: string; count: number }; result: Variant[] };
   /* Return the best way of a robot between two places, pose by pose, with its falls and slides. */
-  way: { args: { doc: string; index: number; robot: string; start: [number, number]; goal: [number, number]; best?: "length" | "tilt" | "margin" }; result: DrawnWay };
+  way: { args: { doc: string; index: number; robot: string; start: [number, number]; goal: [number, number]; best?: "safe" | "length" | "tilt" | "margin" }; result: DrawnWay };
 }

@@ -10,7 +10,7 @@ import {
 } from "./state";
 
 /* By what the best way is chosen. */
-export const best = signal<"length" | "tilt" | "margin">("length");
+export const best = signal<NonNullable<Calls["way"]["args"]["best"]>>("safe");
 
 /* Rounded, without the sign of a zero: toFixed writes -0.0. */
 const rounded = (number: number, digits: number) => (Number(number.toFixed(digits)) + 0).toFixed(digits);
@@ -151,7 +151,7 @@ export function RobotPanel() {
             {stands.stands && <Button icon="play" title="Spawn it in a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Spawn in Gazebo …</Button>}</>}
           </div>
           <h3>Best way</h3>
-          <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />
+          <Segmented name="Best by" value={best.value} choices={[["safe", "safe"], ["length", "short"], ["tilt", "least tilt"], ["margin", "most margin"]]} onChange={(next) => (best.value = next)} />
           <div class="actions"><Button icon="way" pressed={tool.value.name === "way"} title="Click the start on the map, then the goal; or arrow keys and Enter (W)" onClick={() => (tool.value = { name: "way" })}>Click start and goal</Button></div>
           {wayStart.value && !way.value && searching.value?.of !== "way" && <p class="note" role="status">Now click the goal.</p>}
           <div aria-live="polite">{way.value && (way.value.found
