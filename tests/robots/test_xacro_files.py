@@ -43,6 +43,26 @@ def expanding(folder: Path, inner: str, name: str = "mine.xacro") -> SdfRobot:
 
 @with_xacro
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("ends", "says"),
+    [
+        ("raise ImportError('libexpat is broken')", "ImportError: libexpat is broken"),
+        ("raise MemoryError", "it needs too much memory"),
+        ("import os; os.kill(os.getpid(), 9)", "it needs too much memory"),
+    ],
+)
+def test_a_process_that_ends_before_it_expands_anything_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ends: str, says: str
+) -> None:
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken/xml.py").write_text(ends)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "broken"))
+    with pytest.raises(FileError, match=rf"mine\.xacro: xacro cannot expand it: {says}$"):
+        expanding(tmp_path, "")
+
+
+@with_xacro
+@pytest.mark.slow
 def test_macros_includes_and_arguments_are_expanded_without_ros(tmp_path: Path) -> None:
     part = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="post" params="name height">
         <link name="${name}"><inertial><mass value="${height / 2}"/>

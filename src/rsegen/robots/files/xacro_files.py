@@ -146,9 +146,18 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s")
     if ended.returncode:
-        raise FileError(f"{where}: xacro cannot expand it: {line_of(ended.stdout) or 'it needs too much memory'}")
+        raise FileError(f"{where}: xacro cannot expand it: {_why(ended)}")
     result = json.loads(ended.stdout)
     return result["text"], result["missing"]
+
+
+def _why(ended: subprocess.CompletedProcess[str]) -> str:
+    """Return why a process has expanded nothing: what it says, or what ended it before it could."""
+    if said := line_of(ended.stdout):
+        return said
+    *_, last = ["", *ended.stderr.splitlines()]
+    is_memory = ended.returncode < 0 or "MemoryError" in last
+    return "it needs too much memory" if is_memory or not last else line_of(last)
 
 
 def main(where: str) -> int:
