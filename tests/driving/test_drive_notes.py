@@ -98,6 +98,12 @@ def test_a_note_of_a_shell_names_flags(capsys: pytest.CaptureFixture[str]) -> No
     assert f"note: the frame, 10 cm high, stopped burger_0; {advice}" in capsys.readouterr().out.splitlines()
 
 
+def test_pictures_and_contacts_are_not_in_what_a_notebook_prints_of_a_drive(tmp_path: Path) -> None:
+    result = rsegen.drive(SCENE.recipe, duration=0.2, predict=False, seed=1, picture=True, output=tmp_path / "drive")
+    assert len(result.image) > 10_000
+    assert len(repr(result)) < 5_000
+
+
 @pytest.mark.parametrize("route", ["straight", "way"])
 def test_a_robot_that_hardly_moves_before_it_reaches_the_map_is_noted(route: str) -> None:
     run = run_of(route)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import ceil
 from pathlib import Path, PurePosixPath
 
@@ -97,12 +97,12 @@ class DriveResult(Reported):
     seed: int
     robots: tuple[DrivenRobot, ...]
     errors: tuple[str, ...]
-    contact_samples: ContactSamples
+    contact_samples: ContactSamples = field(repr=False)
     notes: tuple[str, ...] = ()
     way: PlannedWay | None = None
     prediction: Prediction | None = None
-    image: bytes = b""
-    video: bytes = b""
+    image: bytes = field(default=b"", repr=False)
+    video: bytes = field(default=b"", repr=False)
 
     @property
     def pictures(self) -> list[str]:
