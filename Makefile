@@ -88,7 +88,7 @@ docs: $(VENV)/developer
 # Links and docstrings that are not right are errors. The course to look at is made here, as it is large.
 site: $(VENV)/developer
 	$(BIN)/rsegen view mixed-course --look wood -o docs/course.html --force
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 bench: $(VENV)/developer
 	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)

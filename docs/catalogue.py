@@ -71,6 +71,16 @@ def boundaries() -> Iterator[tuple[str, Recipe]]:
         yield boundary, Recipe(name=f"boundary-{boundary}", seed=5, chunks=(2, 2), boundary=boundary, obstacles=(row,))
 
 
+def constrained() -> Iterator[tuple[str, Recipe]]:
+    """One map of random blocks without a constraint, and with each; with a title for each."""
+    limits = {"max_step": 2, "crossable_by": "crawler", "inventory": (27, 33, 21, 10)}
+    yield "as designed", Recipe(name="random", seed=7, obstacles=(KINDS["random"](levels=5),))
+    for limit, value in limits.items():
+        shown = ", ".join(map(str, value)) if isinstance(value, tuple) else value
+        changed: Mapping[str, Any] = {limit: value}
+        yield f"{limit}: {shown}", Recipe(name="random", seed=7, obstacles=(KINDS["random"](levels=5),), **changed)
+
+
 def _ground(obstacle: Obstacle) -> Mapping[str, Any]:
     """Return the ground that an obstacle reaches down into, without frames, which would be lower than it."""
     depth = -obstacle.level_range[0]

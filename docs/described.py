@@ -6,7 +6,7 @@ docstrings of the public names from `rsegen` as it runs.
 
 from __future__ import annotations
 
-from inspect import getdoc, signature
+from inspect import Parameter, getdoc, signature
 from typing import Any
 
 import griffe
@@ -30,6 +30,13 @@ def _describe(read: Any, public: Any) -> None:
     function = read if read.is_function else read.members.get("__init__")
     if function is None or not function.is_function:
         return
-    for argument in signature(public).parameters.values():
-        if argument.name in function.parameters and isinstance(argument.annotation, str):
+    arguments = signature(public).parameters
+    for argument in arguments.values():
+        if argument.name not in function.parameters:  # it is declared elsewhere, as the files next to each world are
+            default = None if argument.default is Parameter.empty else repr(argument.default)
+            keyword = griffe.ParameterKind.keyword_only
+            function.parameters.add(griffe.Parameter(argument.name, kind=keyword, default=default))
+        if isinstance(argument.annotation, str):
             function.parameters[argument.name].annotation = str(argument.annotation)
+    for name in [read.name for read in function.parameters if read.name not in arguments and read.name != "self"]:
+        del function.parameters[name]

@@ -1,9 +1,10 @@
-"""The page of the gallery and its pictures: softness of every kind, boundaries and mesh types side by side."""
+"""The page of the gallery, and pictures of maps side by side: softness, boundaries, mesh types, constraints."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from rsegen.scene.colours import Colour
 PICTURES = Path(__file__).parent / "pictures"
 BOUNDARIES = PICTURES / "gallery-boundaries.png"
 MESH_TYPES = PICTURES / "gallery-mesh-types.png"
+CONSTRAINTS = PICTURES / "constraints.png"
 
 _HEIGHT = 3.4
 """Inches of a view."""
@@ -59,7 +61,8 @@ def pictures() -> dict[Path, Recipe]:
     """The recipe that each picture carries: that of its first view."""
     shown = {path: next(catalogue.softnesses(kind))[1] for kind, path in _softness().items()}
     _, divided, _ = catalogue.boundaries()
-    return shown | {BOUNDARIES: next(catalogue.boundaries())[1], MESH_TYPES: divided[1]}
+    shown |= {BOUNDARIES: next(catalogue.boundaries())[1], CONSTRAINTS: next(catalogue.constrained())[1]}
+    return shown | {MESH_TYPES: divided[1]}
 
 
 def picture(path: Path) -> bytes:
@@ -67,9 +70,12 @@ def picture(path: Path) -> bytes:
     if path == MESH_TYPES:
         scene = compose(pictures()[path])
         return _beside([(name, Apart.of(scene, name)) for name in _MESH_TYPES], scene)
-    by_path = {path: kind for kind, path in _softness().items()}
-    shown = catalogue.boundaries() if path == BOUNDARIES else catalogue.softnesses(by_path[path])
-    scenes = [(title, compose(recipe)) for title, recipe in shown]
+    by_path: dict[Path, Callable[[], Iterator[tuple[str, Recipe]]]] = {
+        BOUNDARIES: catalogue.boundaries,
+        CONSTRAINTS: catalogue.constrained,
+        **{path: partial(catalogue.softnesses, kind) for kind, path in _softness().items()},
+    }
+    scenes = [(title, compose(recipe)) for title, recipe in by_path[path]()]
     return _beside(scenes, scenes[0][1])
 
 

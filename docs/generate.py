@@ -470,8 +470,8 @@ Every command has
   get the report for people there, as `{"report": ["..."]}`; or not at all;
 - `--dry-run`, if it writes files: it prints which files it would write, replace, remove and keep, and changes nothing;
 - `--plugin FILE`: it loads [obstacles, formats, ... of your own](plugins.md);
-- exit codes: 0 done; 2 invalid input, and nothing was changed; 1 if something failed later, and of `compare` if maps
-  differ; 130 after Ctrl-C. An error is one line on stderr.
+- exit codes: 0 done; 2 invalid input, and nothing was changed; 1 if something failed later, of `compare` if maps
+  differ, and of `--verify` if files do; 130 after Ctrl-C. An error is one line on stderr.
 
 `rsegen` alone prints a short overview, `rsegen --help` all commands, `rsegen -V` the version. `rsegen schema` prints
 the JSON Schema of recipe files, `rsegen schema COMMAND` that of the parameters of a command below, for forms.

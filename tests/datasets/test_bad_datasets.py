@@ -103,11 +103,16 @@ def test_several_recipes(refused: Refused) -> None:
     assert "--verify: needs no recipe" in refused("dataset", "peak", "--verify", "set")
 
 
+def test_a_series_is_no_unfinished_data_set(refused: Refused) -> None:
+    assert exit_code("series", *OBSTACLE, "--maps", "2", "-o", "series") == 0
+    assert "series: has no manifest.json, so it is not a data set of rsegen" in refused("info", "series#0")
+
+
 def test_an_existing_or_unfinished_data_set_is_refused(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
     assert "set: a data set exists already; use --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").unlink()
-    assert "set: is not complete" in refused("info", "set#0")
+    assert "set: is a data set that is not complete; resume the command that began it" in refused("info", "set#0")
     Path("set/.rsegen.jsonl").unlink()
     assert "set: is not empty, and not a data set" in refused(*MADE, "--resume", "-o", "set")
 

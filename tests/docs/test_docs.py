@@ -319,3 +319,19 @@ def test_links_lead_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#:]+)\)|<img src=\"([^\"]+)\"", page.read_text("utf-8"))
     made = re.findall(r"-o docs/(\S+\.html)", (ROOT / "Makefile").read_text("utf-8"))  # with the site
     assert [link for link in map("".join, links) if link not in made and not (page.parent / link).exists()] == []
+
+
+def headings(page: Path) -> set[str]:
+    """Return the anchors of a page's headings, as GitHub makes them."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    titles = re.findall(r"^#{1,6} (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.strip().lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize(
+    "page", [*PAGES, *sorted((ROOT / "docs" / "decisions").glob("*.md"))], ids=lambda page: page.name
+)
+def test_links_to_headings_lead_to_one(page: Path) -> None:
+    """The site names headings otherwise than GitHub; `make site` checks its own."""
+    links = re.findall(r"\]\(([^)#: ]*\.md|)#([^)]+)\)", page.read_text("utf-8"))
+    assert [(file, name) for file, name in links if name not in headings(page.parent / file if file else page)] == []

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import rsegen
+from rsegen.cli.edge import main
 from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes
 from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.plots import trajectory_plot
@@ -59,7 +60,7 @@ def test_a_frame_that_stops_a_robot_is_named(height: float, said: str) -> None:
 
     assert noted(stopped) == [
         f"the frame, {said} high, stopped burger_0; use robot='crawler', which climbs 10 cm, "
-        "or make the map without frames (boundary none)"
+        "or boundary='none', which makes the map without frames"
     ]
     # Not one that moves on, nor one that has not come to it, nor one on a map without a frame.
     assert noted(driven(run, lambda t: np.minimum(0.22 * t, 1))) == []
@@ -71,8 +72,8 @@ def test_a_frame_that_stops_a_robot_is_named(height: float, said: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "changes", "said"),
     [
-        ("burger", {"frame_height_cm": 30}, "30 cm high, stopped burger_0; make the map without frames"),
-        ("crawler", {"frame_height_cm": 9}, "9 cm high, stopped crawler_0; make the map without frames"),
+        ("burger", {"frame_height_cm": 30}, "30 cm high, stopped burger_0; use boundary='none', which makes"),
+        ("crawler", {"frame_height_cm": 9}, "9 cm high, stopped crawler_0; use boundary='none', which makes"),
         (
             "burger",
             {"frame_height_cm": 5.08, "units": "in"},
@@ -88,6 +89,19 @@ def test_a_robot_that_helps_no_more_is_not_advised(kind: str, changes: dict[str,
     recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[])
     (note,) = frame_notes(framed, [run], recording)
     assert note.startswith(f"the frame, {said}")
+
+
+def test_a_note_of_a_shell_names_flags(capsys: pytest.CaptureFixture[str]) -> None:
+    recipe = ["--obstacle", "random levels=3", "--chunk-size", "3", "--seed", "1"]
+    assert main(["drive", *recipe, "--boundary", "outer", "--duration", "4", "--no-predict"]) == 0
+    advice = "use --robot crawler, which climbs 10 cm, or --boundary none, which makes the map without frames"
+    assert f"note: the frame, 10 cm high, stopped burger_0; {advice}" in capsys.readouterr().out.splitlines()
+
+
+def test_pictures_and_contacts_are_not_in_what_a_notebook_prints_of_a_drive(tmp_path: Path) -> None:
+    result = rsegen.drive(SCENE.recipe, duration=0.2, predict=False, seed=1, picture=True, output=tmp_path / "drive")
+    assert len(result.image) > 10_000
+    assert len(repr(result)) < 5_000
 
 
 @pytest.mark.parametrize("route", ["straight", "way"])

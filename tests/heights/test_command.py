@@ -22,6 +22,12 @@ def test_heights_become_a_world_with_the_flags_of_a_recipe(tmp_path: Path, capsy
     assert build(load(folder / "recipe.json")).blocks.tolist() == [[2, 0], [3, 1]]
 
 
+def test_heights_in_whole_units_add_no_line_to_the_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.csv").write_text("0,10\n20,30\n", "utf-8")
+    assert main(["import", str(tmp_path / "a.csv"), "-o", str(tmp_path / "worlds")]) == 0
+    assert "" not in capsys.readouterr().out.splitlines()
+
+
 def test_an_image_is_read_with_its_options(tmp_path: Path) -> None:
     Image.fromarray(np.array([[0, 255]], dtype=np.uint8)).save(tmp_path / "a.png")
     words = ["import", str(tmp_path / "a.png"), "-o", str(tmp_path), "--levels", "3", "--invert", "--size", "4x2"]

@@ -30,6 +30,10 @@ def test_all_maps_of_a_recipe_are_on_the_page_or_the_one_that_is_named(tmp_path:
         assert f"{path}: " in capsys.readouterr().out
 
 
+def test_the_page_is_not_in_what_a_shell_of_python_prints_of_a_view() -> None:
+    assert len(repr(rsegen.view(rsegen.load(EXAMPLES["peak"])))) < 100
+
+
 def test_a_folder_and_flags_are_maps_too(tmp_path: Path, capsys: Capture) -> None:
     rsegen.generate(rsegen.load(EXAMPLES["peak"]), tmp_path)
     for number, target in enumerate(([str(tmp_path / "peak_0000")], OBSTACLE)):

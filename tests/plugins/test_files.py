@@ -161,6 +161,13 @@ def test_a_file_s_class_that_is_no_kind_is_refused_in_one_line(ramp: Path, conte
     assert refused("--plugin", ramp, "obstacles").startswith(f"rsegen: plug-in my ramp.py (Ramp): {complaint}")
 
 
+def test_a_kind_of_rsegen_s_own_is_not_replaced_by_a_file(ramp: Path, tmp_path: Path) -> None:
+    ramp.write_text(RAMP.replace('"ramp"', '"peak"'))
+    flags = ["--seed", "1", "--obstacle", "peak levels=5", "-o", str(tmp_path / "worlds")]
+    assert "the name 'peak' is taken by rsegen" in refused("--plugin", ramp, "generate", *flags)
+    assert not (tmp_path / "worlds").exists()
+
+
 def test_two_files_of_one_name_are_refused(ramp: Path, tmp_path: Path) -> None:
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / ramp.name).write_text(RAMP)

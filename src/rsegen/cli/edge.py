@@ -28,6 +28,7 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
+from functools import partial
 from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
@@ -229,8 +230,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             shown_error = KeyboardInterrupt() if ours and signals.came else error
             if not str(shown_error):  # it names no flags; to ask for commands is to import capabilities once more
                 words = ()
-            command = next((word for word in words if word in commands()), None)
-            return failed(shown_error, signals.number, command, words)
+            return failed(shown_error, signals.number, _command_in(words), words)
+
+
+def _command_in(words: Sequence[str]) -> str | None:
+    return next((word for word in words if word in commands()), None)
+
+
+def _in_shell(line: str, command: str | None) -> str:
+    """Return a line of a report; in a note are flags in place of arguments."""
+    return in_flags(line, command) if line.startswith("note: ") else line
 
 
 def _run(words: Sequence[str], signals: Signals) -> int:
@@ -247,7 +256,7 @@ def _run(words: Sequence[str], signals: Signals) -> int:
 
         with signals.stop_it(), progress_of(arguments):
             outcome = planned(arguments) if getattr(arguments, "dry_run", False) else arguments.run(arguments)
-            return outcome.show(arguments) if outcome else 0
+            return outcome.show(arguments, partial(_in_shell, command=_command_in(words))) if outcome else 0
     finally:
         if sys.stdout:
             sys.stdout.flush()

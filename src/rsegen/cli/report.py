@@ -42,16 +42,16 @@ class Report:
     notes: Iterable[str] = ()
     code: int = 0
 
-    def show(self, arguments: argparse.Namespace) -> int:
-        """Print it as the flags ask for, and return the exit code."""
+    def show(self, arguments: argparse.Namespace, spelled: Callable[[str], str]) -> int:
+        """Print it as the flags ask for, each line as `spelled` for a shell, and return the exit code."""
         if arguments.json:
             print(json.dumps(self.content() if callable(self.content) else self.content, indent=2))
         for line in () if arguments.json else self.lines:
-            _print(line, arguments)
+            _print(spelled(line), arguments)
         if arguments.json and _PROGRESS.get() == "json" and sys.stderr:
-            print(json.dumps({"report": list(self.lines)}), file=sys.stderr, flush=True)
+            print(json.dumps({"report": [*map(spelled, self.lines)]}), file=sys.stderr, flush=True)
         for line in self.notes:
-            _print(line, arguments, sys.stderr if arguments.json else sys.stdout)
+            _print(spelled(line), arguments, sys.stderr if arguments.json else sys.stdout)
         return self.code
 
 

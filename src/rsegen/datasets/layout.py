@@ -29,7 +29,7 @@ import numpy as np
 from rsegen.datasets.difficulty_tiles import refuse_unlike
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, shown
 from rsegen.field.stepfield import Ints, StepField
-from rsegen.input_files import JOURNAL, Checksum, checksum_of
+from rsegen.input_files import Checksum, checksum_of
 from rsegen.measuring.batch import COLUMNS
 from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
@@ -249,8 +249,8 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     path = folder / MANIFEST
     if not path.is_file():
         why = f"has no {MANIFEST}, so it is not a data set of rsegen"
-        if (folder / JOURNAL).is_file():
-            why = "is not complete; the command that began it continues it with resume=True"
+        if any(folder.glob("levels-*.npy")):
+            why = "is a data set that is not complete; resume the command that began it"
         raise FileError(f"{folder}: {why}")
     entries = recipe_content(path)
     try:

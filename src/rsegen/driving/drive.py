@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import ceil
 from pathlib import Path, PurePosixPath
 
@@ -97,12 +97,12 @@ class DriveResult(Reported):
     seed: int
     robots: tuple[DrivenRobot, ...]
     errors: tuple[str, ...]
-    contact_samples: ContactSamples
+    contact_samples: ContactSamples = field(repr=False)
     notes: tuple[str, ...] = ()
     way: PlannedWay | None = None
     prediction: Prediction | None = None
-    image: bytes = b""
-    video: bytes = b""
+    image: bytes = field(default=b"", repr=False)
+    video: bytes = field(default=b"", repr=False)
 
     @property
     def pictures(self) -> list[str]:
@@ -282,9 +282,9 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
     if held and field.frame[0].all():
         written = lengths_in(scene.units)
         is_helped = field.frame_height < _CRAWLED + 1e-9 and runs[0].robot.kind != "crawler"
-        crawler = f"use robot='crawler', which climbs {written.with_unit(_CRAWLED, 3)}, or " if is_helped else ""
+        crawler = f"use robot='crawler', which climbs {written.with_unit(_CRAWLED, 3)}, or " if is_helped else "use "
         height = written.with_unit(field.frame_height, 3)
-        advice = f"{crawler}make the map without frames (boundary none)"
+        advice = f"{crawler}boundary='none', which makes the map without frames"
         yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
 
 

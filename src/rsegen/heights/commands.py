@@ -73,7 +73,7 @@ def run_import(arguments: argparse.Namespace) -> Report:
     report = produce(recipe, arguments)
     if picture and heights.errors_cm is not None and heights.holes is not None:
         picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
-    notes = [str(heights.rounding)] if heights.rounding else []
+    notes = [text] if (text := str(heights.rounding or "")) else []
     if heights.unknown:
         notes.append(
             f"{counted(heights.unknown, 'cell')} transparent or without data, so unknown: no block stands there"

@@ -278,6 +278,8 @@ class OccupancyImage(Importer):
         content = recipe_file.recipe_content(path)
         if not isinstance(content, Mapping):
             raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
+        if "obstacles" in content:
+            raise FileError(f"{path}: a recipe, not an occupancy grid of ROS; generate makes worlds of it")
         values = {key: content.get(key, _USUAL.get(key)) for key in _KEYS}
         if isinstance(values["negate"], bool):  # as YAML writes it
             values["negate"] = int(values["negate"])

@@ -6,7 +6,7 @@ Recipe, Scene or StepField --view--> View, shown in a notebook or saved as HTML
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from math import prod
 from pathlib import Path
@@ -44,7 +44,7 @@ class View:
         The page.
     """
 
-    html: bytes
+    html: bytes = field(repr=False)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write the HTML file, whole or not at all; an OutputError if it exists already, unless `force`."""

@@ -150,7 +150,7 @@ class Registry(Mapping[str, Thing]):
         return f"<{self._sort}: {', '.join(self)}>"
 
     def __getitem__(self, name: str) -> Thing:
-        if name not in self._things:
+        if name not in self._things or self._modules_seen < len(plugins()):
             self._find(name)
         return self._things[name]
 
@@ -204,6 +204,9 @@ class Registry(Mapping[str, Thing]):
 
     def _find(self, name: str) -> None:
         with self._lock:
+            if self._modules_seen < len(plugins()):  # one of them may have a name of rsegen's own
+                self._import_all_own()
+                self._find_in_modules()
             # The file with the name of the thing, if any, as for many things.
             file = offered_modules(self._group).get(name) or (f"{self._package}.{name}" if self._package else "")
             if file and isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):

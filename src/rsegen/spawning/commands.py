@@ -8,7 +8,6 @@ from dataclasses import asdict, astuple, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.edge import in_flags
 from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
 from rsegen.cli.parameters import MapReference
 from rsegen.cli.parser import Parser
@@ -225,7 +224,7 @@ def run_spawn(arguments: argparse.Namespace) -> Report:
     where = f"{SIMULATORS[result.simulator].title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad"
     on = f", on {result.on}" if result.on else ""
     lines = [f"{result.name} is in {where}{on}{_on_top(result)}"]
-    lines += [f"note: {in_flags(line, 'spawn')}" for line in result.notes]
+    lines += [f"note: {line}" for line in result.notes]
     return Report(lines=lines, content=asdict(result), notes=which_map(arguments.target, arguments.map))
 
 
