@@ -13,12 +13,13 @@ nested model whose poses are relative to others.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from rsegen.field.stepfield import Array
+from rsegen.robots.rigid import has_fixed_links, make_one
 from rsegen.robots.sdf_elements import numbers_text, pose_text, without_plugins
 from rsegen.robots.sdf_shapes import ModelFrames, in_scope
 
@@ -29,15 +30,21 @@ _OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
 """Elements of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
 
 
-def fit(model: Element, frames: ModelFrames, simulator: str, driven: Iterable[str] = ()) -> None:
+def fit(
+    model: Element, frames: ModelFrames, simulator: str, driven: Collection[str] = (), *, rigid: bool = False
+) -> None:
     """Write a model as a Gazebo reads it, led by the link on which it hangs; its own plug-ins keep the names in them.
 
     frames: of the model; driven: links that are wheels or tracks, of which the first one says which body counts, if
-    there are several
+    there are several; rigid: whether links on fixed joints become one in Gazebo Classic, so that no plug-in may name
+    them
     """
     body = _body(frames, driven)
-    if simulator == "classic" and _is_overlooked(model):
+    is_rigid = rigid and simulator == "classic" and has_fixed_links(frames, driven)
+    if is_rigid or (simulator == "classic" and _is_overlooked(model)):
         _make_flat(model, frames)
+    if is_rigid:
+        make_one(model, ModelFrames(model, frames.where), driven)
     _lead(model, body, next((name for name, _ in frames.links()), ""))
 
 

@@ -308,7 +308,7 @@ def _ahead(metres: float) -> str:
 
 def _named(part: CollisionPart) -> str:
     """Return the name of a part, of one of a link that was lumped into another one that of its link."""
-    from rsegen.robots.urdf import LUMPED
+    from rsegen.robots.sdf_elements import LUMPED
 
     lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part.name)
     return lumped[1] if lumped else part.name

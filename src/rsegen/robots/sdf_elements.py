@@ -14,6 +14,9 @@ from rsegen.geometry.poses import angles
 LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads, in which robots of other formats are written."""
 
+LUMPED = "_fixed_joint_lump__"
+"""Before the name of a shape, after that of a link, if a fixed joint attaches the shape's own link, as in Gazebo."""
+
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 

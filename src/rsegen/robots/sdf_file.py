@@ -177,7 +177,7 @@ class SdfRobot(RobotOnField):
         model = self._placed(name, at)
         self._take_out_mimics(model, simulator)
         self._make_drivable(model, name, simulator)
-        self._make_fit(model, simulator)
+        self._make_fit(model, simulator, rigid=True)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -280,14 +280,14 @@ class SdfRobot(RobotOnField):
                 " other; drive it in MuJoCo"
             )
 
-    def _make_fit(self, model: Element, simulator: str) -> None:
-        """Write a model as a Gazebo reads it; FileError for what it does not read."""
+    def _make_fit(self, model: Element, simulator: str, *, rigid: bool = False) -> None:
+        """Write a model as a Gazebo reads it, rigid links as one in Classic; FileError for what it does not read."""
         self._refuse_inline_meshes(model)
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
         frames = ModelFrames(model, self.kind)
         driven = self.read_drive.drive.links(frames.child) if self.read_drive else ()
-        fit(model, frames, simulator, sorted(driven))
+        fit(model, frames, simulator, sorted(driven), rigid=rigid)
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
