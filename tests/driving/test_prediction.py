@@ -33,12 +33,14 @@ from rsegen.driving.spread import (
 )
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import across
 from rsegen.standing.lanes import straight as straight_lanes
+from tests.robots.urdf_robots import two_wheels_urdf
 from tests.support.long import long_unless
 
 pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
@@ -100,6 +102,14 @@ def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
     assert f"crosses with probability {held.probability:.2f} (0 of {FIRST} drives" in str(held)
     assert "; so few cannot prove 0.00);" in str(held)
     assert str(crosses).endswith("; so few cannot prove 1.00)")
+
+
+def test_a_part_on_a_fixed_joint_of_urdf_has_the_name_of_its_link(tmp_path: Path) -> None:
+    """The wall meets the hull of `base`, which hangs on a base_footprint."""
+    (tmp_path / "mine.urdf").write_text(two_wheels_urdf())
+    (run,) = robot_runs(WALL.field, from_file(tmp_path / "mine.urdf"), "straight", count=1, seed=1)
+    (end,) = predictor().tried(WALL, run, 1).ends
+    assert end.reason == "gets stuck on its base"
 
 
 def test_the_same_drive_has_the_same_outcome_and_another_one_other_errors() -> None:

@@ -17,6 +17,7 @@ from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
@@ -185,6 +186,13 @@ def test_the_torque_of_a_plug_in_is_that_of_the_motors(
     world = world_of(robot)
     assert speeds(world, robot, 0.2, 0.0)[0] == pytest.approx(0.2 if drives else 0.0, abs=1e-3)
     assert [f"its model has {torque} Nm for each" in note for note in world.notes()] == [True] * (not drives)
+
+
+@pytest.mark.parametrize("motors", MOTORS)
+def test_the_friction_of_joints_that_motors_overcome_does_not_slow_a_robot_down(tmp_path: Path, motors: str) -> None:
+    rubs = "<limit><effort>2</effort></limit><dynamics><damping>0.05</damping><friction>0.2</friction></dynamics>"
+    robot = cart(tmp_path, pair(axle=rubs))
+    assert speeds(world_of(robot, motors=motors), robot, 0.2, 0.0)[0] == pytest.approx(0.2, abs=2e-3)
 
 
 @pytest.mark.parametrize("effort", ["0", "-1", "1e16", "inf", "5"])

@@ -44,6 +44,18 @@ CASTER = """\
 """
 """A shape that Gazebo Classic does not have, on which the robot stands."""
 
+CAMERA = """\
+<link name="{0}"><pose>0 0 {2} 0 0 0</pose><inertial><pose>-0.05 0 0.02 0 0 0</pose><mass>0.05</mass>
+  <inertia><ixx>1e-8</ixx><iyy>1e-8</iyy><izz>1e-8</izz></inertia></inertial></link>
+<joint name="{0}_joint" {3}<parent>{1}</parent><child>{0}</child></joint>
+"""
+JOINTS = (
+    'type="fixed">',
+    'type="revolute"><axis><xyz>0 0 1</xyz></axis>',
+    'type="revolute"><axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>',
+)
+"""Links of a camera on a mast, with moments of inertia of a grain, and their joints: fixed, endless, limited."""
+
 PLAIN = Recipe(name="plain", chunk_size=10, boundary="none", seed=1)
 
 
@@ -128,6 +140,20 @@ def test_tracks_that_the_user_names_drive_as_commanded_and_flippers_keep_their_a
     assert np.abs(rows[:, [2, 4, 5, 6]]).max() < 0.01
     # A flipper that hangs down would lift the robot; by its other joints, at their angles, it is as high as its tracks.
     assert np.abs(rows[10:, 3] - robot.lift).max() < 0.003
+
+
+def test_a_camera_that_weighs_little_does_not_throw_its_robot_off(gazebo_classic: Installation, tmp_path: Path) -> None:
+    """In ODE a fixed joint between bodies of very different inertia fails; such robots leapt in the first second."""
+    world = tmp_path / "ground.world"
+    world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(PLAIN), ()))))
+    parts = "".join(map(CAMERA.format, ("mast", "pan", "tilt"), ("base", "mast", "pan"), (0.2, 0.3, 0.4), JOINTS))
+    (tmp_path / "mine.sdf").write_text(two_wheels().replace("</model>", f"{parts}</model>"))
+    run = RobotRun(name="mine", robot=from_file(tmp_path / "mine.sdf"), start=Pose(x=0, y=0, z=0.001), route=Straight)
+    recording = record_drive(gazebo_classic, world, [run], 2, contacts=False)
+    rows = recording.trajectories["mine"].rows
+    late, early = rows[-1], rows[int(1 / 0.05)]
+    assert late[1] - early[1] == pytest.approx(V * (late[0] - early[0]), rel=0.1)
+    assert np.abs(rows[10:, 3] - run.robot.lift).max() < 0.003
 
 
 def test_legs_stand_if_their_joints_are_held_and_fall_if_not(

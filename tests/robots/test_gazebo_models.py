@@ -192,5 +192,5 @@ def test_a_joint_of_the_model_itself_on_a_nested_link_keeps_its_name(tmp_path: P
     inside = f'<model name="inner">{wheel[0]}</model>'
     text = text.replace(wheel[0], inside).replace("<child>left_wheel", "<child>inner::left_wheel")
     model = fromstring(read(tmp_path, text).model("mine", "sim"))
-    assert model.find("model/link") is not None
     assert model.findtext("plugin/left_joint") == "left_hub"
+    assert [joint.findtext("child") for joint in model.findall("joint")] == ["inner__left_wheel", "right_wheel"]

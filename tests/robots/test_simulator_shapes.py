@@ -13,7 +13,7 @@ from rsegen.robots.base import ROBOTS
 from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.lookup import DrivableRobot
 from tests.robots.mjcf_robots import two_wheels_mjcf
-from tests.robots.two_wheels import two_wheels
+from tests.robots.two_wheels import ROS_1, two_wheels
 
 FOOT = """\
 <{tag} name="foot"><pose{degrees}>0.1 0 0.05 0 {quarter} 0</pose>
@@ -88,6 +88,21 @@ def test_the_damping_that_a_motor_of_mujoco_overcomes_does_not_brake_the_wheels_
 
     assert dampings(robot.model("rover", "classic")) == [None, None]
     assert dampings(robot.model("rover", "sim")) == ["0.01", "0.01"]
+
+
+@pytest.mark.parametrize(("torque", "stays"), [(5, False), (0.3, True)])
+def test_the_friction_of_joints_brakes_wheels_of_classic_only_where_their_motors_are_weaker(
+    tmp_path: Path, torque: float, *, stays: bool
+) -> None:
+    rubs = "<dynamics><damping>0.1</damping><friction>0.4</friction></dynamics>"
+    plugin = ROS_1.replace("<torque>5", f"<torque>{torque}")
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(plugin).replace("</xyz></axis>", f"</xyz>{rubs}</axis>"))
+    robot = from_file(file)
+    for backend, is_there in (("classic", stays), ("sim", True)):
+        hubs = list(fromstring(robot.model("rover", backend)).iter("joint"))
+        assert [hub.findtext("axis/dynamics/friction") for hub in hubs] == ["0.4" if is_there else None] * 2
+        assert [hub.findtext("axis/dynamics/damping") for hub in hubs] == ["0.1" if is_there else None] * 2
 
 
 @pytest.mark.parametrize("backend", ["sim", "fortress"])

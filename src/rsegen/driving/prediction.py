@@ -37,6 +37,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
 from rsegen.params.command import Reported
 from rsegen.params.watch import report_share
+from rsegen.robots.files.sdf_elements import part_name
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator
@@ -293,7 +294,9 @@ def spread_drive(
     if off := next((incident for incident in metrics.incidents if incident.kind == Incident.OFF), None):
         return Outcome(seconds=None, path=path, reason=f"{LEAVES} {off.reason}")
     part = world.held_by(run.name)
-    return Outcome(seconds=None, path=path, reason=f"gets stuck on its {part}" if part else "makes no progress")
+    return Outcome(
+        seconds=None, path=path, reason=f"gets stuck on its {part_name(part)}" if part else "makes no progress"
+    )
 
 
 def until_decided(run: RobotRun) -> RobotRun:

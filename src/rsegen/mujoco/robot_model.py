@@ -31,7 +31,7 @@ from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.files.meshes import collision_mesh, simplified_to
 from rsegen.robots.files.mimics import mimics
-from rsegen.robots.files.motors import is_damped_at_the_end, motor
+from rsegen.robots.files.motors import motor
 from rsegen.robots.files.sdf_shapes import (
     ROUND,
     ModelFrames,
@@ -87,8 +87,7 @@ class WheelMotor(NamedTuple):
     """The motor of a wheel, named as its joint.
 
     side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm;
-    sense: of the joint's axis, 1 if it points to the left, -1 if to the right; is_freed: whether a motor as Classic has
-    it overcomes the damping of its joint, as there
+    sense: of the joint's axis, 1 if it points to the left, -1 if to the right
     """
 
     side: int
@@ -96,7 +95,6 @@ class WheelMotor(NamedTuple):
     torque: float | None
     friction: float
     sense: int
-    is_freed: bool
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -453,8 +451,7 @@ class _Builder:
                 torque = motor(drive, joint, self._frames).torque
                 name = f"{self.model.name}/{joint}"
                 sense = 1 if self._frames.axis(joint)[1] > 0 else -1
-                is_freed = is_damped_at_the_end(element)
-                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense, is_freed))
+                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
 
 

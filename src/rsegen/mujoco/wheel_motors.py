@@ -62,8 +62,8 @@ class WheelMotors:
             model.dof_frictionloss[self.dofs] = self._torques
             model.dof_solref[self.dofs], model.dof_solimp[self.dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
             self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self.dofs)
-        else:  # what damps a wheel would act on the chassis alone, and push it back
-            model.dof_damping[self.dofs[[wheel.is_freed for *_, wheel in wheels]]] = 0
+        else:  # what brakes a wheel would act on the chassis alone, and push it back
+            model.dof_damping[self.dofs[self.turns]] = model.dof_frictionloss[self.dofs[self.turns]] = 0
         self._is_limited = bool((self._torques < _STRONG).any())
         # Of each wheel: its row, degree of freedom, force at its motor's limit, and the speed below which it is slow.
         self._limits: list[tuple[int, int, float, float]] = []

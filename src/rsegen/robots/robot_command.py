@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rsegen.robots.base import Robot
     from rsegen.robots.files.sdf_file import SdfRobot
     from rsegen.robots.lookup import DrivableRobot
-    from rsegen.standing.body import CollisionPart
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -289,6 +288,7 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     """Yield the figures of a robot on level ground: its front and balance, and what else touches the ground, or may."""
     import numpy as np
 
+    from rsegen.robots.files.sdf_elements import part_name
     from rsegen.standing.stance import stance
 
     body = robot.body
@@ -302,7 +302,7 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
         name="balance", text=text, origin=origin, value=(round(ahead, _DIGITS), round(high, _DIGITS)), unit="m"
     )
     supports = np.flatnonzero(on_level.bearing & ~driven)
-    names = [f"{_named(body.parts[at])} {_ahead(_middle(lengths[at]) - middle)}" for at in supports]
+    names = [f"{part_name(body.parts[at].name)} {_ahead(_middle(lengths[at]) - middle)}" for at in supports]
     mu = sorted({body.parts[at].mu for at in supports})
     slides = f"; friction {' to '.join(f'{value:g}' for value in (*mu[:1], *mu[1:][-1:]))}" if mu else ""
     origin = f"what nothing drives, and touches level ground{slides}"
@@ -310,7 +310,7 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     hanging = np.where(driven | on_level.bearing, np.inf, on_level.heights)
     lowest = int(hanging.argmin())
     if np.isfinite(hanging[lowest]):
-        origin = f"the lowest of all else above level ground, {_named(body.parts[lowest])}"
+        origin = f"the lowest of all else above level ground, {part_name(body.parts[lowest].name)}"
         height = float(hanging[lowest])
         yield Figure(name="clearance", text=f"{height:.3f} m", origin=origin, value=round(height, _DIGITS), unit="m")
     if not on_level.pose.stands[0]:
@@ -325,14 +325,6 @@ def _middle(values: Array) -> float:
 def _ahead(metres: float) -> str:
     """Return how far ahead or behind a place is, in words."""
     return f"{abs(metres):.3f} m {'behind' if metres < 0 else 'ahead'}"
-
-
-def _named(part: CollisionPart) -> str:
-    """Return the name of a part, of one of a link that was lumped into another one that of its link."""
-    from rsegen.robots.files.urdf import LUMPED
-
-    lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part.name)
-    return lumped[1] if lumped else part.name
 
 
 def _links(count: int) -> str:

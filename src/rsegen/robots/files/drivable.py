@@ -13,7 +13,7 @@ from rsegen.gazebo.sdf import numbers
 from rsegen.geometry.poses import angles, rotation
 from rsegen.robots.drives import Drive, Tracks, Wheels, pose_publisher, prefixes
 from rsegen.robots.files.holding import hold, turn_to_the_left
-from rsegen.robots.files.motors import is_damped_at_the_end
+from rsegen.robots.files.motors import motor
 from rsegen.robots.files.sdf_drives import (
     KNOWN,
     TRACK_CONTROLLER,
@@ -23,7 +23,7 @@ from rsegen.robots.files.sdf_drives import (
 )
 from rsegen.robots.files.sdf_elements import numbers_text, put
 from rsegen.robots.files.sdf_names import let_go
-from rsegen.robots.files.sdf_shapes import ModelFrames, floats
+from rsegen.robots.files.sdf_shapes import ModelFrames, floats, positive_number
 
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
@@ -43,7 +43,7 @@ def make_drivable(  # as `hold_and_turn`, and what a simulator needs
     if backend == "classic":
         if model.find("allow_auto_disable") is None:
             SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
-        _free_wheels(model, drive)
+        _free_wheels(model, where, drive)
     held = hold_and_turn(model, where, read, steering, follows=False)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
@@ -120,14 +120,21 @@ _TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")
 """Elements of plug-ins with the topics on which they take commands, other than the default ones."""
 
 
-def _free_wheels(model: Element, drive: Drive | None) -> None:
-    """Take the damping from driven wheels that MuJoCo would damp: a motor overcomes it, and Classic's has no torque."""
-    wheels = drive.joints if drive else ()
-    for joint in model.findall("joint"):
-        if joint.get("name") in wheels and is_damped_at_the_end(joint):
-            for dynamics in joint.findall("axis/dynamics"):
-                for damping in dynamics.findall("damping"):
-                    dynamics.remove(damping)
+def _free_wheels(model: Element, where: str, drive: Drive | None) -> None:
+    """Take from driven wheels the damping and friction of their joints where their motors overcome it.
+
+    Classic's drive has no torque, so these would brake a robot on level ground, which they do neither with motors nor
+    with the plug-in of its maker.
+    """
+    if not isinstance(drive, Wheels):
+        return
+    frames = ModelFrames(model, where)
+    for name in drive.joints:
+        rubs = positive_number(frames.joints[name], where, "axis/dynamics/friction") or 0.0
+        if motor(drive, name, frames).overcomes(rubs):
+            for dynamics in frames.joints[name].findall("axis/dynamics"):
+                for element in [*dynamics.findall("damping"), *dynamics.findall("friction")]:
+                    dynamics.remove(element)
 
 
 HELD = "held as its model has them, as nothing drives them"

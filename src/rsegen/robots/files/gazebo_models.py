@@ -15,13 +15,14 @@ others.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import flat_name
+from rsegen.robots.files.rigid import has_fixed_links, make_one
 from rsegen.robots.files.sdf_elements import numbers_text, pose_text, without_plugins
 from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
@@ -33,17 +34,21 @@ _OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
 
 
 def fit(
-    model: Element, frames: ModelFrames, simulator: str, driven: Iterable[str] = (), *, is_driven_inside: bool = False
+    model: Element, frames: ModelFrames, simulator: str, driven: Collection[str] = (), *, is_for_drive: bool = False
 ) -> None:
     """Write a model as a Gazebo reads it, led by the link on which it hangs; its own plug-ins keep the names in them.
 
     frames: of the model; driven: links that are wheels or tracks, of which the first one says which body counts, if
-    there are several; is_driven_inside: whether its drive is to turn joints, or move links, of nested models
+    there are several; is_for_drive: whether no plug-ins but those of a drive name its parts, so that links on fixed
+    joints may become one in Gazebo Classic, and driven ones of nested models come into the model in Gazebo Sim
     """
     body, first = _body(frames, driven), next((name for name, _ in frames.links()), "")
-    if simulator == "classic" and _is_overlooked(model):
+    is_rigid = is_for_drive and simulator == "classic" and has_fixed_links(frames, driven)
+    if is_rigid or (simulator == "classic" and _is_overlooked(model)):
         _make_flat(model, frames)
-    elif simulator != "classic" and is_driven_inside:
+    if is_rigid:
+        make_one(model, ModelFrames(model, frames.where), driven)
+    if is_for_drive and simulator != "classic" and any("::" in link for link in driven):
         _make_flat(model, frames)
         _rename(model)
         body, first = flat_name(body), flat_name(first)

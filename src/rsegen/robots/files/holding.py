@@ -1,10 +1,11 @@
 """Joints of a model that are held in a drive, as nothing drives them, and joints that move.
 
 What has limits is held: nothing else keeps an arm, a flipper or a leg where it is. A joint with a spring is a
-suspension and moves, as does one that turns without end, such as that of a caster. A joint that follows another one
-(mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about axes that are not
-upright, are the two sides of a differential: they move against each other. What breaks it: an arm that hangs on endless
-joints, and a rocker that has no spring and no partner, which becomes stiff.
+suspension and moves, as does one that turns without end, such as that of a caster. A turret does not, as the motor of a
+camera that pans holds it: an upright joint that carries nothing that rolls, nor anything below the axles. A joint that
+follows another one (mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about
+axes that are not upright, are the two sides of a differential: they move against each other. What breaks it: an arm
+that hangs on endless joints that are not upright, and a rocker that has no spring and no partner, which becomes stiff.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collec
         if name in free or name in wheels:
             return False
         joint = frames.joints[name]
-        is_stiff = name in steering or frames.child(name) in belts
+        is_stiff = name in steering or frames.child(name) in belts or _is_turret(name, frames, drive)
         return drive is None or is_stiff or not (is_endless(joint) or _has_spring(joint))
 
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
@@ -74,6 +75,23 @@ def _has_spring(joint: Element) -> bool:
         return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
     except ValueError:
         return False
+
+
+def _is_turret(name: str, frames: ModelFrames, drive: Drive | None) -> bool:
+    """Return whether an endless joint is upright, and all that it carries is above the axles and does not roll."""
+    if drive is None or not is_endless(frames.joints[name]) or abs(frames.axis(name)[2]) < UPRIGHT:
+        return False
+    carried = {frames.child(name)}
+    for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
+        joints = [joint for joint in frames.joints if frames.parent(joint) in carried]
+        if any(is_endless(frames.joints[joint]) and abs(frames.axis(joint)[2]) < UPRIGHT for joint in joints):
+            return False
+        carried.update(map(frames.child, joints))
+    shapes = frames.shapes
+    if shapes.whole is None or carried & {*shapes.unknown}:
+        return False
+    axles = shapes.whole.low[2] + drive.radius
+    return all(shapes.known[link].low[2] > axles for link in carried & shapes.known.keys())
 
 
 def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: Collection[str]) -> set[str]:

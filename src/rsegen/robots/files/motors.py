@@ -10,16 +10,15 @@ from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertial
 from rsegen.standing.resting import GRAVITY
 
 
-def is_damped_at_the_end(joint: Element) -> bool:
-    """Return whether a joint is damped at the end of a step, as in MuJoCo, whose motors overcome that."""
-    return joint.find("physics/ode/implicit_spring_damper") is not None
-
-
 class Motor(NamedTuple):
     """The motor of a wheel: the most torque that it gives, Nm, None if nothing limits it; and what says so."""
 
     torque: float | None
     origin: str
+
+    def overcomes(self, friction: float) -> bool:
+        """Return whether it turns its wheel against the friction of its joint, Nm."""
+        return self.torque is None or self.torque > friction
 
 
 def motor(drive: Wheels, joint: str, frames: ModelFrames) -> Motor:

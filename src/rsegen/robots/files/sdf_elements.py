@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
@@ -14,7 +15,16 @@ from rsegen.geometry.poses import angles
 LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads, in which robots of other formats are written."""
 
+LUMPED = "_fixed_joint_lump__"
+"""Before the name of a shape, after that of a link, if a fixed joint attaches the shape's own link, as in Gazebo."""
+
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def part_name(part: str) -> str:
+    """Return the name of a part, LINK::COLLISION, for a reader: of one of a link that was lumped that of this link."""
+    lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part)
+    return lumped[1] if lumped else part
 
 
 class Mass(NamedTuple):

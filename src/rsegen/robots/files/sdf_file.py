@@ -177,7 +177,7 @@ class SdfRobot(RobotOnField):
         model = self._placed(name, at)
         self._take_out_mimics(model, simulator)
         self._make_drivable(model, name, simulator)
-        self._make_fit(model, simulator, is_driven=True)
+        self._make_fit(model, simulator, is_for_drive=True)
         return with_capsules(_outer(model), simulator)
 
     def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
@@ -280,16 +280,14 @@ class SdfRobot(RobotOnField):
                 " other; drive it in MuJoCo"
             )
 
-    def _make_fit(self, model: Element, simulator: str, *, is_driven: bool = False) -> None:
-        """Write a model as a Gazebo reads it, and is to drive it; FileError for what it does not read."""
+    def _make_fit(self, model: Element, simulator: str, *, is_for_drive: bool = False) -> None:
+        """Write a model as a Gazebo reads it, and drives it; FileError for what it does not read."""
         self._refuse_inline_meshes(model)
         if simulator == "classic":
             use_shapes_of_classic(model, self.kind)
         frames = ModelFrames(model, self.kind)
-        drive = self.read_drive.drive if self.read_drive else None
-        driven = sorted(drive.links(frames.child)) if drive else ()
-        is_inside = is_driven and drive is not None and "::" in "".join((*drive.left, *drive.right))
-        fit(model, frames, simulator, driven, is_driven_inside=is_inside)
+        driven = self.read_drive.drive.links(frames.child) if self.read_drive else ()
+        fit(model, frames, simulator, sorted(driven), is_for_drive=is_for_drive)
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements

@@ -26,6 +26,7 @@ from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.files.mimics import Mimic, put_mimic
 from rsegen.robots.files.sdf_elements import (
     LATEST_OF_CLASSIC,
+    LUMPED,
     MOMENTS,
     NO_MASS,
     Mass,
@@ -342,10 +343,6 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
             put_all(link, _OF_LINK[tag], text)
         elif tag not in _ELSEWHERE:
             link.extend([_placed(element, place, source.where) for element in elements])
-
-
-LUMPED = "_fixed_joint_lump__"
-"""Before the name of a shape, after that of a link, if a fixed joint attaches the shape's own link, as in Gazebo."""
 
 
 def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) -> Element:

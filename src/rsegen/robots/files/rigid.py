@@ -1,0 +1,95 @@
+"""Links of a model on fixed joints as one body, for Gazebo Classic.
+
+Its engine, ODE, holds a fixed joint only about, by a constraint like any other. Between bodies of very different
+moments of inertia, such as a frame and a sensor of 10 g, that fails, and the robot is thrown off. A rigid joint makes
+two bodies one, so this is the same robot. What breaks it: a plug-in that names one of those links.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from rsegen.field.stepfield import Array
+from rsegen.robots.files.sdf_elements import LUMPED, Mass, append_inertial, pose_text, sum_of_masses
+from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials
+
+_SHAPES = ("collision", "visual")
+
+
+def has_fixed_links(frames: ModelFrames, apart: Collection[str]) -> bool:
+    """Return whether links of a model hang on fixed joints; those that are to stay apart do not count."""
+    return bool(_fixed(frames, apart))
+
+
+def make_one(model: Element, frames: ModelFrames, apart: Collection[str]) -> None:
+    """Make links on fixed joints parts of the links that they hang on, in a model of links and joints alone.
+
+    apart: links that stay what they are, such as tracks
+    """
+    above = _fixed(frames, apart)
+    parts: dict[str, list[str]] = {}
+    for link, _ in frames.links():
+        parts.setdefault(_head(link, above), []).append(link)
+    bodies = _bodies(frames)
+    for head, links in parts.items():
+        if len(links) > 1:
+            _put_into(head, links, bodies, frames)
+    for link in above:
+        model.remove(frames.elements[link])
+        model.remove(frames.joints[frames.holders()[link]])
+    for joint in model.findall("joint"):
+        for end in joint.findall("parent"):
+            end.text = _head((end.text or "").strip(), above)
+
+
+def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
+    """Return the link that each link on a fixed joint hangs on, but for circles and those that stay apart."""
+    links = {name for name, _ in frames.links()}
+    held_by = Counter(map(frames.child, frames.joints))
+    above = {
+        frames.child(name): frames.parent(name)
+        for name, joint in frames.joints.items()
+        if joint.get("type") == "fixed" and held_by[frames.child(name)] == 1
+    }
+    own = {link: other for link, other in above.items() if {link, other} <= links and link not in apart}
+    return {link: other for link, other in own.items() if _head(link, own) not in own}
+
+
+def _head(link: str, above: Mapping[str, str]) -> str:
+    """Return the link that a link becomes a part of; of a circle one that is in it."""
+    for _ in above:
+        link = above.get(link, link)
+    return link
+
+
+def _bodies(frames: ModelFrames) -> dict[str, tuple[Mass, Array]]:
+    """Return the body of each link in the frame of its <inertial>, and where that is in the model, (4, 4)."""
+    masses, bodies = inertials(frames), {}
+    for link, element in frames.links():
+        inertial = element.find("inertial")
+        place = frames.transform(link) @ (np.eye(4) if inertial is None else frames.local(inertial))
+        bodies[link] = Mass(masses[link].mass, np.zeros(3), inertia_tensor(link, element, frames)), place
+    return bodies
+
+
+def _put_into(head: str, links: Collection[str], bodies: Mapping[str, tuple[Mass, Array]], frames: ModelFrames) -> None:
+    """Put the masses and shapes of links into one of them; shapes get names as Gazebo gives them to those of URDF."""
+    body, inverse = frames.elements[head], np.linalg.inv(frames.transform(head))
+    for inertial in body.findall("inertial"):
+        body.remove(inertial)
+    append_inertial(body, sum_of_masses((mass, inverse @ place) for mass, place in (bodies[link] for link in links)))
+    for link in links:
+        for shape in [part for part in frames.elements[link] if part.tag in _SHAPES and link != head]:
+            place = inverse @ frames.shape(link, shape)
+            for pose in shape.findall("pose"):
+                shape.remove(pose)
+            shape.insert(0, pose := Element("pose"))
+            pose.text = pose_text(place)
+            names, name = {other.get("name") for other in body.findall(shape.tag)}, shape.get("name", "")
+            own = f"{head}{LUMPED}{name}"
+            shape.set("name", f"{head}{LUMPED}{link}_{name}" if own in names else own)
+            body.append(shape)
