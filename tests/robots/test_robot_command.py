@@ -247,3 +247,20 @@ def test_a_table_fits_the_terminal_however_long_names_of_joints_are(
         assert len(table) > len(found)
         cells = [line[len("separation") + 2 :].split("  ")[0].strip() for line in table]
         assert f"left{long} and right{long}".replace(" ", "") in "".join(cells).replace(" ", "")
+
+
+def test_suspensions_are_named_and_arms_are_not_among_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    joints = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="prismatic"><parent>base</parent><child>{name}</child>'
+        f"<axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit>{inner}</axis></joint>"
+        for name, inner in (
+            ("mast", ""),
+            ("damper", "<dynamics><spring_stiffness>5</spring_stiffness></dynamics>"),
+        )
+    )
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(GZ + joints))
+    assert main(["robot", str(file)]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert "moves on springs in a drive, where poses take it as rigid: damper_joint" in printed
+    assert "held in a drive as its model has them, as nothing drives them: mast_joint" in printed

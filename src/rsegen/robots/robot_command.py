@@ -332,13 +332,19 @@ def _links(count: int) -> str:
 
 
 def _remarks(robot: SdfRobot) -> Iterator[str]:
+    from rsegen.robots.files.holding import has_spring
+
     yield from robot.remarks
     if light := robot.light_wheels:
         yield light
     if followers := robot.followers:
         yield f"follow another joint in MuJoCo, and in Gazebo move on their own, unless held: {', '.join(followers)}"
-    if held := robot.held:
+    held = robot.held
+    if held:
         yield f"held in a drive as its model has them, as nothing drives them: {', '.join(held)}"
+    sprung = [name for name, joint in robot.frames().joints.items() if has_spring(joint) and name not in held]
+    if sprung:
+        yield f"moves on springs in a drive, where poses take it as rigid: {', '.join(sprung)}"
 
 
 def _assumed(robot: SdfRobot, name: str) -> str:

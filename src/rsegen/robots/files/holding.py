@@ -39,7 +39,7 @@ def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collec
             return False
         joint = frames.joints[name]
         is_stiff = name in steering or frames.child(name) in belts or _is_turret(name, frames, drive)
-        return drive is None or is_stiff or not (is_endless(joint) or _has_spring(joint))
+        return drive is None or is_stiff or not (is_endless(joint) or has_spring(joint))
 
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
     moving = [name for name, joint in frames.joints.items() if joint.get("type") in MOVING and name not in wheels]
@@ -70,7 +70,8 @@ def turn_to_the_left(model: Element, where: str, turned: Collection[str]) -> Non
                 put(element, tag, numbers([value]))
 
 
-def _has_spring(joint: Element) -> bool:
+def has_spring(joint: Element) -> bool:
+    """Return whether a joint has a spring, as a suspension has."""
     try:
         return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
     except ValueError:
