@@ -98,6 +98,50 @@ def test_tracks_stay_links(tmp_path: Path) -> None:
     assert {*robot.drive.left, *robot.drive.right} <= links
 
 
+def test_a_fender_on_a_track_is_a_part_of_what_carries_the_track(tmp_path: Path) -> None:
+    fender = """<link name="fender"><pose>0 0.18 0.2 0 0 0</pose><collision name="plate"><geometry><box>
+      <size>0.4 0.06 0.01</size></box></geometry></collision></link>
+      <joint name="screws" type="fixed"><parent>left</parent><child>fender</child></joint>"""
+    (file := tmp_path / "tracked.sdf").write_text(tracked().replace("</model>", f"{fender}</model>"))
+    model = fromstring(from_file(file, tracks="left,right").model("mine", "classic"))
+    shapes = {link.get("name"): [shape.get("name") for shape in link.iter("collision")] for link in model.iter("link")}
+    assert shapes["base"] == ["hull", "base_fixed_joint_lump__plate"]
+    assert shapes["left"] == ["left_-1", "left_1", "left_between"]
+
+
+def test_the_drive_of_tracks_names_the_link_that_its_body_is_a_part_of(tmp_path: Path) -> None:
+    foot = """<link name="foot"><inertial><mass>0.1</mass></inertial></link>
+      <joint name="stand" type="fixed"><parent>foot</parent><child>base</child></joint>"""
+    (file := tmp_path / "tracked.sdf").write_text(tracked().replace("</model>", f"{foot}</model>"))
+    robot = from_file(file, tracks="left,right")
+    assert robot.drive.body == "base"  # type: ignore[attr-defined]
+    model = fromstring(robot.model("mine", "classic"))
+    assert model.findtext("plugin/body") == "foot"
+    assert "base" not in {link.get("name") for link in model.iter("link")}
+
+
+def test_a_gearbox_refers_to_the_link_that_its_reference_is_a_part_of(tmp_path: Path) -> None:
+    gear = """<joint name="gear" type="gearbox"><parent>left_wheel</parent><child>right_wheel</child>
+      <gearbox_ratio>-1</gearbox_ratio><gearbox_reference_body>lens</gearbox_reference_body>
+      <axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 1</xyz></axis2></joint>"""
+    model = fromstring(carrying(tmp_path, MAST + gear).model("mine", "classic"))
+    assert model.findtext("joint[@name='gear']/gearbox_reference_body") == "base"
+
+
+def test_shapes_of_several_links_have_names_of_their_own(tmp_path: Path) -> None:
+    def part(link: str, shape: str) -> str:
+        solid = "<geometry><sphere><radius>0.01</radius></sphere></geometry>"
+        return (
+            f'<link name="{link}"><pose>0 0 0.2 0 0 0</pose><collision name="{shape}">{solid}</collision></link>'
+            f'<joint name="{link}_joint" type="fixed"><parent>base</parent><child>{link}</child></joint>'
+        )
+
+    parts = [("top", "cap"), ("other", "b_cap"), ("a", "b_cap"), ("a_b", "cap")]
+    model = fromstring(carrying(tmp_path, "".join(part(*names) for names in parts)).model("mine", "classic"))
+    names = [shape.get("name") for shape in model.iterfind("link[@name='base']/collision")]
+    assert len({*names}) == len(names) == 6
+
+
 def test_a_circle_of_fixed_joints_stays(tmp_path: Path) -> None:
     back = '<joint name="back" type="fixed"><parent>lens</parent><child>base</child></joint>'
     robot = carrying(tmp_path, f"{MAST}{back}")
