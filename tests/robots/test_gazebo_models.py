@@ -181,9 +181,9 @@ def test_a_drive_in_gazebo_sim_finds_joints_of_nested_models(tmp_path: Path) -> 
 
 NODDING = """
     <link name="head"><pose>0.1 0 0.3 0 0 0</pose></link>
-    <joint name="nod" type="revolute"><parent>base</parent><child>head</child><axis><xyz>1 0 0</xyz></axis></joint>
+    <joint name="nod" type="revolute"><parent>base</parent><child>head</child><axis><xyz>0 1 0</xyz></axis></joint>
     <link name="jaw"><pose>0.1 0 0.4 0 0 0</pose></link>
-    <joint name="bite" type="revolute"><parent>head</parent><child>jaw</child><axis><xyz>1 0 0</xyz>
+    <joint name="bite" type="revolute"><parent>head</parent><child>jaw</child><axis><xyz>0 1 0</xyz>
       <mimic joint="nod"><multiplier>2</multiplier></mimic></axis></joint>
     <plugin filename="gz-sim-wheel-slip-system" name="gz::sim::systems::WheelSlip">
       <wheel link_name="left_wheel"><wheel_radius>0.05</wheel_radius></wheel></plugin>

@@ -153,6 +153,7 @@ def test_a_circle_of_fixed_joints_stays(tmp_path: Path) -> None:
     ("x", "z", "axis", "held"),
     [
         (0.0, 0.3, "0 0 1", ("pan",)),
+        (0.0, 0.3, "1 0 0", ("pan",)),  # a forearm, as Fetch has two
         (0.0, 0.3, "0 1 0", ()),  # rolls
         (-0.1, -0.01, "0 0 1", ()),  # a caster, also where it does not reach the ground on level floors
         (-0.1, 0.0, "0 0 1", ()),
@@ -167,4 +168,13 @@ def test_a_turret_is_held_and_a_caster_is_not(
 def test_a_fork_with_a_wheel_is_not_held_however_high_it_is(tmp_path: Path) -> None:
     wheel = TURRET.replace("turret", "roller").replace("pan", "roll").replace("base", "turret")
     more = TURRET.format(x=0.2, z=0.2, axis="0 0 1") + wheel.format(x=0.2, z=0.15, axis="0 1 0")
+    assert carrying(tmp_path, more).held == ()
+
+
+def test_rollers_of_a_wheel_are_not_held_where_they_are_above_the_axle(tmp_path: Path) -> None:
+    roller = TURRET.replace("base", "left_wheel").replace("turret", "roller{0}").replace("pan", "roll{0}")
+    more = "".join(
+        roller.replace("{0}", str(number)).format(x=x, z=z, axis=axis)
+        for number, (x, z, axis) in enumerate([(0.0, 0.05, "1 0 0"), (0.04, 0.05, "0 0 1")])
+    )
     assert carrying(tmp_path, more).held == ()
