@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, fromstring
 import numpy as np
 import pytest
 
+from rsegen.errors import FileError
 from rsegen.geometry.poses import rotation
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.files.sdf_shapes import ModelFrames
@@ -136,7 +137,7 @@ def test_both_axes_are_where_they_were_in_a_flat_model(tmp_path: Path) -> None:
     </model><joint name="stand" type="fixed"><parent>base</parent><child>mast::foot</child></joint>"""
     robot = read(tmp_path, two_wheels().replace("</model>", f"{mast}</model>"))
     neck = next(
-        joint for joint in fromstring(robot.model("mine", "classic")).iter("joint") if joint.get("name") == "mast::neck"
+        joint for joint in fromstring(robot.file("mine", "classic")).iter("joint") if joint.get("name") == "mast::neck"
     )
     assert neck.findtext("gearbox_reference_body") == "mast::foot"
     assert neck.find(".//*[@expressed_in]") is None
@@ -176,6 +177,35 @@ def test_a_drive_in_gazebo_sim_finds_joints_of_nested_models(tmp_path: Path) -> 
     frames, flat = robot.frames(), ModelFrames(model, "")
     for name, _ in frames.links():
         np.testing.assert_allclose(flat.transform(name.replace("::", "__")), frames.transform(name), atol=1e-9)
+
+
+NODDING = """
+    <link name="head"><pose>0.1 0 0.3 0 0 0</pose></link>
+    <joint name="nod" type="revolute"><parent>base</parent><child>head</child><axis><xyz>0 1 0</xyz></axis></joint>
+    <link name="jaw"><pose>0.1 0 0.4 0 0 0</pose></link>
+    <joint name="bite" type="revolute"><parent>head</parent><child>jaw</child><axis><xyz>0 1 0</xyz>
+      <mimic joint="nod"><multiplier>2</multiplier></mimic></axis></joint>
+    <plugin filename="gz-sim-wheel-slip-system" name="gz::sim::systems::WheelSlip">
+      <wheel link_name="left_wheel"><wheel_radius>0.05</wheel_radius></wheel></plugin>
+"""
+
+
+def test_what_follows_a_joint_and_what_slips_has_its_name_in_a_flat_model(tmp_path: Path) -> None:
+    text = two_wheels(f"{NODDING}{GZ}").replace('version="1.6"', 'version="1.11"')
+    model = fromstring(read(tmp_path, in_a_nested_model(text)).model("mine", "sim"))
+    followed = model.find("joint[@name='inner__bite']/axis/mimic")
+    assert followed is not None
+    assert followed.get("joint") == "inner__nod"
+    wheel = model.find("plugin/wheel")
+    assert wheel is not None
+    assert wheel.get("link_name") == "inner__left_wheel"
+
+
+def test_two_parts_that_would_have_one_name_in_a_flat_model_are_an_error(tmp_path: Path) -> None:
+    text = in_a_nested_model(two_wheels(GZ)).replace('version="1.6"', 'version="1.8"')
+    robot = read(tmp_path, text.replace("mast", "inner__base"))
+    with pytest.raises(FileError, match="'inner::base' and 'inner__base' are both inner__base"):
+        robot.model("mine", "sim")
 
 
 def test_a_nested_robot_with_its_own_plugins_stays_nested_in_gazebo_sim(tmp_path: Path) -> None:

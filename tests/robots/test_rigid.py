@@ -98,6 +98,50 @@ def test_tracks_stay_links(tmp_path: Path) -> None:
     assert {*robot.drive.left, *robot.drive.right} <= links
 
 
+def test_a_fender_on_a_track_is_a_part_of_what_carries_the_track(tmp_path: Path) -> None:
+    fender = """<link name="fender"><pose>0 0.18 0.2 0 0 0</pose><collision name="plate"><geometry><box>
+      <size>0.4 0.06 0.01</size></box></geometry></collision></link>
+      <joint name="screws" type="fixed"><parent>left</parent><child>fender</child></joint>"""
+    (file := tmp_path / "tracked.sdf").write_text(tracked().replace("</model>", f"{fender}</model>"))
+    model = fromstring(from_file(file, tracks="left,right").model("mine", "classic"))
+    shapes = {link.get("name"): [shape.get("name") for shape in link.iter("collision")] for link in model.iter("link")}
+    assert shapes["base"] == ["hull", "base_fixed_joint_lump__plate"]
+    assert shapes["left"] == ["left_-1", "left_1", "left_between"]
+
+
+def test_the_drive_of_tracks_names_the_link_that_its_body_is_a_part_of(tmp_path: Path) -> None:
+    foot = """<link name="foot"><inertial><mass>0.1</mass></inertial></link>
+      <joint name="stand" type="fixed"><parent>foot</parent><child>base</child></joint>"""
+    (file := tmp_path / "tracked.sdf").write_text(tracked().replace("</model>", f"{foot}</model>"))
+    robot = from_file(file, tracks="left,right")
+    assert robot.drive.body == "base"  # type: ignore[attr-defined]
+    model = fromstring(robot.model("mine", "classic"))
+    assert model.findtext("plugin/body") == "foot"
+    assert "base" not in {link.get("name") for link in model.iter("link")}
+
+
+def test_a_gearbox_refers_to_the_link_that_its_reference_is_a_part_of(tmp_path: Path) -> None:
+    gear = """<joint name="gear" type="gearbox"><parent>left_wheel</parent><child>right_wheel</child>
+      <gearbox_ratio>-1</gearbox_ratio><gearbox_reference_body>lens</gearbox_reference_body>
+      <axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 1</xyz></axis2></joint>"""
+    model = fromstring(carrying(tmp_path, MAST + gear).model("mine", "classic"))
+    assert model.findtext("joint[@name='gear']/gearbox_reference_body") == "base"
+
+
+def test_shapes_of_several_links_have_names_of_their_own(tmp_path: Path) -> None:
+    def part(link: str, shape: str) -> str:
+        solid = "<geometry><sphere><radius>0.01</radius></sphere></geometry>"
+        return (
+            f'<link name="{link}"><pose>0 0 0.2 0 0 0</pose><collision name="{shape}">{solid}</collision></link>'
+            f'<joint name="{link}_joint" type="fixed"><parent>base</parent><child>{link}</child></joint>'
+        )
+
+    parts = [("top", "cap"), ("other", "b_cap"), ("a", "b_cap"), ("a_b", "cap")]
+    model = fromstring(carrying(tmp_path, "".join(part(*names) for names in parts)).model("mine", "classic"))
+    names = [shape.get("name") for shape in model.iterfind("link[@name='base']/collision")]
+    assert len({*names}) == len(names) == 6
+
+
 def test_a_circle_of_fixed_joints_stays(tmp_path: Path) -> None:
     back = '<joint name="back" type="fixed"><parent>lens</parent><child>base</child></joint>'
     robot = carrying(tmp_path, f"{MAST}{back}")
@@ -109,6 +153,7 @@ def test_a_circle_of_fixed_joints_stays(tmp_path: Path) -> None:
     ("x", "z", "axis", "held"),
     [
         (0.0, 0.3, "0 0 1", ("pan",)),
+        (0.0, 0.3, "1 0 0", ("pan",)),  # a forearm, as Fetch has two
         (0.0, 0.3, "0 1 0", ()),  # rolls
         (-0.1, -0.01, "0 0 1", ()),  # a caster, also where it does not reach the ground on level floors
         (-0.1, 0.0, "0 0 1", ()),
@@ -123,4 +168,13 @@ def test_a_turret_is_held_and_a_caster_is_not(
 def test_a_fork_with_a_wheel_is_not_held_however_high_it_is(tmp_path: Path) -> None:
     wheel = TURRET.replace("turret", "roller").replace("pan", "roll").replace("base", "turret")
     more = TURRET.format(x=0.2, z=0.2, axis="0 0 1") + wheel.format(x=0.2, z=0.15, axis="0 1 0")
+    assert carrying(tmp_path, more).held == ()
+
+
+def test_rollers_of_a_wheel_are_not_held_where_they_are_above_the_axle(tmp_path: Path) -> None:
+    roller = TURRET.replace("base", "left_wheel").replace("turret", "roller{0}").replace("pan", "roll{0}")
+    more = "".join(
+        roller.replace("{0}", str(number)).format(x=x, z=z, axis=axis)
+        for number, (x, z, axis) in enumerate([(0.0, 0.05, "1 0 0"), (0.04, 0.05, "0 0 1")])
+    )
     assert carrying(tmp_path, more).held == ()

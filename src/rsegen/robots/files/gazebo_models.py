@@ -14,23 +14,21 @@ others.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
+from functools import partial
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import flat_name
 from rsegen.robots.files.rigid import has_fixed_links, make_one
-from rsegen.robots.files.sdf_elements import numbers_text, pose_text, without_plugins
+from rsegen.robots.files.sdf_elements import ENDS, NAMES_A_PART, numbers_text, pose_text, without_plugins
 from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
 _OF_LATER_VERSIONS = ("degrees", "rotation_format")
 """Attributes of poses that Gazebo Classic overlooks."""
-
-_OF_THE_MODEL = re.compile("joint|link|body", re.IGNORECASE)
-"""Elements of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
 
 
 def fit(
@@ -50,7 +48,7 @@ def fit(
         make_one(model, ModelFrames(model, frames.where), driven)
     if is_for_drive and simulator != "classic" and any("::" in link for link in driven):
         _make_flat(model, frames)
-        _rename(model)
+        _rename(model, frames.where)
         body, first = flat_name(body), flat_name(first)
     _lead(model, body, first)
 
@@ -105,9 +103,7 @@ def _make_flat(model: Element, frames: ModelFrames) -> None:
         _put_poses_in(element, link, places[link], frames)
     for joint, element in frames.joints.items():
         _put_pose(element, np.linalg.inv(places.get(frames.child(joint), np.eye(4))) @ joints[joint])
-        for tag in ("parent", "child", "gearbox_reference_body"):
-            for end in element.findall(tag):
-                end.text = _in_model(joint, (end.text or "").strip(), frames)
+        _name_ends(element, partial(_in_model, joint, frames=frames))
     for axis, direction in axes:
         _put_direction(axis, direction)
     named = [(name, element) for name, element in (*frames.links(), *frames.joints.items())]
@@ -120,18 +116,39 @@ def _make_flat(model: Element, frames: ModelFrames) -> None:
     model.attrib.pop("canonical_link", None)
 
 
-def _rename(model: Element) -> None:
-    """Give the parts of a model that was made flat the names that Gazebo Sim takes."""
-    for part in model.iter():
-        if part.tag in ("link", "joint") and part.get("name"):
-            part.set("name", flat_name(part.get("name", "")))
+def _rename(model: Element, where: str) -> None:
+    """Give the parts of a model that was made flat the names that Gazebo Sim takes; FileError if two have one."""
+    parts = [*model.findall("link"), *model.findall("joint")]
+    taken: dict[str, str] = {}
+    for part in parts:
+        name = part.get("name", "")
+        flat = flat_name(name)
+        if (other := taken.setdefault(flat, name)) != name:
+            raise FileError(f"{where}: in a drive in Gazebo Sim {shown(other)} and {shown(name)} are both {flat}")
+        part.set("name", flat)
+    for joint in model.findall("joint"):
+        _name_ends(joint, flat_name)
+    for plugin in model.findall("plugin"):
+        _name_parts(plugin, flat_name)
+
+
+def _name_ends(joint: Element, named: Callable[[str], str]) -> None:
+    """Name anew what a joint names: its links, and the joint that it follows."""
+    for part in joint.iter():
+        if part.tag in ENDS:
+            part.text = named((part.text or "").strip())
         if part.tag == "mimic":
-            part.set("joint", flat_name(part.get("joint", "")))
-        if part.tag in ("parent", "child", "gearbox_reference_body"):
-            part.text = flat_name(part.text or "")
-    for part in (part for plugin in model.findall("plugin") for part in plugin.iter()):
-        if _OF_THE_MODEL.search(part.tag):
-            part.text = flat_name(part.text or "")
+            part.set("joint", named(part.get("joint", "").strip()))
+
+
+def _name_parts(plugin: Element, named: Callable[[str], str]) -> None:
+    """Name anew the parts of a model that a plug-in of it names, in elements or attributes."""
+    for part in plugin.iter():
+        if NAMES_A_PART.search(part.tag):
+            part.text = named((part.text or "").strip())
+        for attribute, value in part.attrib.items():
+            if NAMES_A_PART.search(attribute):
+                part.set(attribute, named(value.strip()))
 
 
 def _is_overlooked(model: Element) -> bool:
@@ -169,9 +186,8 @@ def _put_direction(axis: Element, direction: Array) -> None:
 def _plugins_of(name: str, nested: Element, frames: ModelFrames) -> list[Element]:
     """Return the plug-ins of a nested model, with its links and joints by the names that they have in the outer one."""
     plugins = nested.findall("plugin") if nested.tag == "model" else []
-    for part in (part for plugin in plugins for part in plugin.iter()):
-        if _OF_THE_MODEL.search(part.tag):
-            part.text = _in_model(f"{name}::", (part.text or "").strip(), frames)
+    for plugin in plugins:
+        _name_parts(plugin, partial(_in_model, f"{name}::", frames=frames))
     return plugins
 
 

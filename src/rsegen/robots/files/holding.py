@@ -1,11 +1,12 @@
 """Joints of a model that are held in a drive, as nothing drives them, and joints that move.
 
 What has limits is held: nothing else keeps an arm, a flipper or a leg where it is. A joint with a spring is a
-suspension and moves, as does one that turns without end, such as that of a caster. A turret does not, as the motor of a
-camera that pans holds it: an upright joint that carries nothing that rolls, nor anything below the axles. A joint that
-follows another one (mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about
-axes that are not upright, are the two sides of a differential: they move against each other. What breaks it: an arm
-that hangs on endless joints that are not upright, and a rocker that has no spring and no partner, which becomes stiff.
+suspension and moves, as does one that turns without end, such as that of a caster. A turret does not, nor the forearm
+of a robot, as their motors hold them: what turns about an axis that is not across, carries nothing that rolls, nor
+anything below the axles, and is on nothing that rolls, as the rollers of a wheel are. A joint that follows another one
+(mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about axes that are not
+upright, are the two sides of a differential: they move against each other. What breaks it: an arm that hangs on endless
+joints across, and a rocker that has no spring and no partner, which becomes stiff.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ from rsegen.robots.files.mimics import MOVING, Mimic, first_leader, mimics
 from rsegen.robots.files.sdf_elements import put
 from rsegen.robots.files.sdf_shapes import ModelFrames, floats
 from rsegen.robots.files.wheel_joints import UPRIGHT, is_endless
+
+_ACROSS = 0.7
+"""Part of an axis along y of the model from which on what it carries may roll ahead."""
 
 
 def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collection[str] = ()) -> tuple[str, ...]:
@@ -79,20 +83,38 @@ def has_spring(joint: Element) -> bool:
 
 
 def _is_turret(name: str, frames: ModelFrames, drive: Drive | None) -> bool:
-    """Return whether an endless joint is upright, and all that it carries is above the axles and does not roll."""
-    if drive is None or not is_endless(frames.joints[name]) or abs(frames.axis(name)[2]) < UPRIGHT:
+    """Return whether an endless joint neither rolls nor is on or carries what does, and is above the axles."""
+    if drive is None or not is_endless(frames.joints[name]):
         return False
-    carried = {frames.child(name)}
+    carried, inner = {frames.child(name)}, {name}
     for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
-        joints = [joint for joint in frames.joints if frames.parent(joint) in carried]
-        if any(is_endless(frames.joints[joint]) and abs(frames.axis(joint)[2]) < UPRIGHT for joint in joints):
-            return False
+        joints = {joint for joint in frames.joints if frames.parent(joint) in carried} - inner
+        if not joints:
+            break
+        inner |= joints
         carried.update(map(frames.child, joints))
+    if any(_rolls(joint, frames) for joint in (*inner, *_above(name, frames))):
+        return False
     shapes = frames.shapes
     if shapes.whole is None or carried & {*shapes.unknown}:
         return False
     axles = shapes.whole.low[2] + drive.radius
     return all(shapes.known[link].low[2] > axles for link in carried & shapes.known.keys())
+
+
+def _above(joint: str, frames: ModelFrames) -> list[str]:
+    """Return the joints on which a joint hangs."""
+    holders, way = frames.holders(), list[str]()
+    link = frames.parent(joint)
+    while link in holders and holders[link] not in way:  # a file may have a circle
+        way.append(holders[link])
+        link = frames.parent(way[-1])
+    return way
+
+
+def _rolls(joint: str, frames: ModelFrames) -> bool:
+    """Return whether a joint is endless and its axis is across, as that of what rolls ahead."""
+    return is_endless(frames.joints[joint]) and bool(abs(frames.axis(joint)[1]) >= _ACROSS)
 
 
 def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: Collection[str]) -> set[str]:

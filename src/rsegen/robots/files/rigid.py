@@ -2,19 +2,29 @@
 
 Its engine, ODE, holds a fixed joint only about, by a constraint like any other. Between bodies of very different
 moments of inertia, such as a frame and a sensor of 10 g, that fails, and the robot is thrown off. A rigid joint makes
-two bodies one, so this is the same robot. What breaks it: a plug-in that names one of those links.
+two bodies one, so this is the same robot. What names a link that became a part, such as a plug-in, names the whole.
+What breaks it: a plug-in that wants the pose of such a link.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping
+from itertools import chain, count
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.robots.files.sdf_elements import LUMPED, Mass, append_inertial, pose_text, sum_of_masses
+from rsegen.robots.files.sdf_elements import (
+    ENDS,
+    LUMPED,
+    NAMES_A_PART,
+    Mass,
+    append_inertial,
+    pose_text,
+    sum_of_masses,
+)
 from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials
 
 _SHAPES = ("collision", "visual")
@@ -41,9 +51,10 @@ def make_one(model: Element, frames: ModelFrames, apart: Collection[str]) -> Non
     for link in above:
         model.remove(frames.elements[link])
         model.remove(frames.joints[frames.holders()[link]])
-    for joint in model.findall("joint"):
-        for end in joint.findall("parent"):
-            end.text = _head((end.text or "").strip(), above)
+    joints, plugins = ([inner for part in model.findall(tag) for inner in part.iter()] for tag in ("joint", "plugin"))
+    named = [part for part in joints if part.tag in ENDS] + [part for part in plugins if NAMES_A_PART.search(part.tag)]
+    for part in named:
+        part.text = _head((part.text or "").strip(), above)
 
 
 def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
@@ -55,7 +66,10 @@ def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
         for name, joint in frames.joints.items()
         if joint.get("type") == "fixed" and held_by[frames.child(name)] == 1
     }
-    own = {link: other for link, other in above.items() if {link, other} <= links and link not in apart}
+    above = {link: other for link, other in above.items() if {link, other} <= links}
+    # A fender on a track is no belt, so it becomes a part of what carries the track.
+    carried = {link: above[link] for link in apart if link in above}
+    own = {link: _head(other, carried) for link, other in above.items() if link not in apart}
     return {link: other for link, other in own.items() if _head(link, own) not in own}
 
 
@@ -90,6 +104,7 @@ def _put_into(head: str, links: Collection[str], bodies: Mapping[str, tuple[Mass
             shape.insert(0, pose := Element("pose"))
             pose.text = pose_text(place)
             names, name = {other.get("name") for other in body.findall(shape.tag)}, shape.get("name", "")
-            own = f"{head}{LUMPED}{name}"
-            shape.set("name", f"{head}{LUMPED}{link}_{name}" if own in names else own)
+            of_link = f"{head}{LUMPED}{link}_{name}"
+            own = chain([f"{head}{LUMPED}{name}", of_link], (f"{of_link}_{number}" for number in count(1)))
+            shape.set("name", next(own_name for own_name in own if own_name not in names))
             body.append(shape)

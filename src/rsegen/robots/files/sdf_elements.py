@@ -20,6 +20,12 @@ LUMPED = "_fixed_joint_lump__"
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
+ENDS = ("parent", "child", "gearbox_reference_body")
+"""Elements of a joint that name a link."""
+
+NAMES_A_PART = re.compile("joint|link|body", re.IGNORECASE)
+"""Elements and attributes of plug-ins that name a part of their model; those with a frame in their name are ROS's."""
+
 
 def part_name(part: str) -> str:
     """Return the name of a part, LINK::COLLISION, for a reader: of one of a link that was lumped that of this link."""
