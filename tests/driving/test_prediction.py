@@ -79,7 +79,7 @@ def straight(scene: Scene, robot: str = "burger") -> Prediction:
 
 def ends_early(run: RobotRun, v: float, w: float) -> bool:
     """Return whether the drive of a robot that goes on and turns so, m/s and rad/s, ends within ten seconds."""
-    route = until_decided(run).route()
+    route = until_decided(run, "reaction").route()
     times = np.arange(0, 10, route.period)
     return any(route.is_done(replace(run.start, x=run.start.x + v * t, yaw=run.start.yaw + w * t)) for t in times)
 
@@ -168,6 +168,14 @@ def test_a_robot_is_held_that_neither_comes_on_nor_turns(v: float, w: float, is_
     assert ends_early(run, v, w) == is_held
 
 
+@pytest.mark.parametrize(("motors", "seconds"), [("reaction", 3.0), ("classic", 6.0)])
+def test_a_robot_whose_motors_do_not_act_back_may_stand_longer(motors: str, seconds: float) -> None:
+    (run,) = robot_runs(FLOOR.field, ROBOTS["burger"], "straight", count=1, seed=1)
+    route = until_decided(run, motors).route()
+    ended = next(number for number in range(200) if route.is_done(run.start))
+    assert ended * route.period == pytest.approx(seconds)
+
+
 def test_a_slow_robot_is_held_by_less() -> None:
     burger = ROBOTS["burger"]
     slow = replace(burger, drive=replace(burger.drive, speed=0.005))
@@ -178,7 +186,7 @@ def test_a_slow_robot_is_held_by_less() -> None:
 
 def test_a_robot_that_swings_is_not_held() -> None:
     (run,) = robot_runs(FLOOR.field, ROBOTS["burger"], "straight", count=1, seed=1)
-    route = until_decided(run).route()
+    route = until_decided(run, "reaction").route()
     period = route.period
     poses = [replace(run.start, yaw=0.2 * np.sin(2 * np.pi * turn * period / 3.0)) for turn in range(40)]
     assert not any(map(route.is_done, poses)), "after three seconds it has its heading again"

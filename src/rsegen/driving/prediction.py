@@ -50,10 +50,14 @@ PRIOR = 0.25
 LEAVES = "leaves the map,"
 """The reason of a drive that ends next to the map, before its side."""
 
-_HELD, _WITHIN, _TURNED = 3.0, 0.01, radians(2.5)
-"""Seconds in which a robot comes on by less than these metres, and turns by less than these radians, and is held for
-good: flippers swing in two. A robot that comes on in them by more than SLOW of its speed is not held either. Those that
-are held come on by a millimetre; small wheels creep over edges by a centimetre or two, and half of them get free."""
+_HELD = {"reaction": 3.0, "classic": 6.0}
+"""Seconds in which a robot that does not come on is held for good, by its motors: flippers swing in two. Wheels whose
+motors do not act back spin at an edge, and some of TurtleBot3's come over it after four to ten seconds."""
+
+_WITHIN, _TURNED = 0.01, radians(2.5)
+"""Metres by which it comes on in them at most, and radians by which it turns. A robot that comes on by more than SLOW
+of its speed is not held either. Those that are held come on by a millimetre; small wheels creep over edges by a
+centimetre or two, and half of them get free."""
 
 _TOGETHER = 7
 """Drives that are done together: half of those of a spread beyond the first ones."""
@@ -279,7 +283,7 @@ def spread_drive(
     is_whole: whether the drive goes on as long as the robot may still cross, also where it is held
     """
     erring, built = spread_run(scene, run, number)
-    decided = erring if is_whole else until_decided(erring)
+    decided = erring if is_whole else until_decided(erring, motors)
     world = simulator.world(scene, [decided], motors=motors, period=PERIOD, built=built)
     drive_in_steps(world, [decided], _time_limit(scene, run), world.step_seconds, contacts=False)
     trajectory = trajectories(world.recorded(), [decided])[run.name]
@@ -299,10 +303,11 @@ def spread_drive(
     )
 
 
-def until_decided(run: RobotRun) -> RobotRun:
+def until_decided(run: RobotRun, motors: str) -> RobotRun:
     """Return a run that ends as soon as it is decided whether its robot crosses."""
-    within = min(_WITHIN, SLOW * _HELD * run.robot.driving_speed)
-    return replace(run, route=lambda: _UntilDecided(route=run.route(), within=within))
+    held = _HELD[motors]
+    within = min(_WITHIN, SLOW * held * run.robot.driving_speed)
+    return replace(run, route=lambda: _UntilDecided(route=run.route(), held=held, within=within))
 
 
 def _time_limit(scene: Scene, run: RobotRun) -> float:
@@ -315,10 +320,11 @@ def _time_limit(scene: Scene, run: RobotRun) -> float:
 class _UntilDecided(Route):
     """A route that ends, besides at its goal, where its robot has tipped over, or has been held for some seconds.
 
-    within: metres by which a robot that is held comes on at most
+    held: these seconds; within: metres by which a robot that is held comes on in them at most
     """
 
     route: Route
+    held: float
     within: float
     poses: deque[Pose] | None = None
 
@@ -331,7 +337,7 @@ class _UntilDecided(Route):
 
     def is_done(self, at: Pose) -> bool:
         if self.poses is None:
-            self.poses = deque(maxlen=round(_HELD / self.period) + 1)
+            self.poses = deque(maxlen=round(self.held / self.period) + 1)
         self.poses.append(at)
         first, is_full = self.poses[0], len(self.poses) == self.poses.maxlen
         is_held = is_full and all(
