@@ -85,7 +85,7 @@ def test_a_world_that_is_no_world_is_an_error_at_once(gazebo_classic: Installati
 
     assert code == 1
     *told, line = said.splitlines()
-    assert any("Unable to read sdf file" in each for each in told)
+    assert any("Unable to read sdf file" in each for each in told), said
     assert line == f"rsegen: {gazebo_classic} did not load the world broken.world"
     assert left(mark) == []
 

@@ -121,6 +121,21 @@ def test_open_fails_if_another_world_than_that_of_the_file_runs(
     assert line.endswith("did not load the world rse_0000.world, but one of the name default")
 
 
+def test_open_says_why_a_world_was_not_loaded_though_that_is_printed_elsewhere(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """Gazebo Classic prints to stdout that it takes an empty world, and to stderr why, in this order or the other."""
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.setenv("STAYS", "60")
+    monkeypatch.setenv("SAYS", "Falling back on worlds/empty.world\\n")
+    monkeypatch.setenv("COMPLAINS", "[Err] [Server.cc:407] Unable to read sdf file[rse_0000.world]\\n")
+    capsys.readouterr()
+    assert opened(world, "--simulator", "classic", "--headless", "--seconds", "1") == 1
+    *told, line = capsys.readouterr().err.splitlines()
+    assert told == ["[Err] [Server.cc:407] Unable to read sdf file[rse_0000.world]"]
+    assert line.endswith("did not load the world rse_0000.world")
+
+
 @pytest.mark.parametrize("name", ["sim", "classic"])
 def test_open_fails_if_the_server_never_tells_its_time(
     name: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture

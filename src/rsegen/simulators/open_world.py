@@ -181,24 +181,26 @@ def _run(
         output = OutputFiles(folder=Path(folder))
         with output.running(launch) as program:
             wait = Patience(seconds=here.timeout, works=Work(program, Path(folder))).begin()
-            world, end = launch.command[-1], math.inf
+            world, end, has_failed = launch.command[-1], math.inf, False
 
             def goes_on() -> bool:  # asked between two looks at the output
                 nonlocal end
-                if seconds is not None and end == math.inf:
+                if seconds is not None and end == math.inf and not has_failed:
                     if name := _running_world(here, launch):
                         _refuse_another_world(here, launch, name)
                         end = time.monotonic() + seconds
                     elif wait.is_over:
                         late = f"after {here.timeout:g} s without progress"
                         raise NothingRuns(f"{here} has not loaded the world {world}, {late}")
-                return program.exit_code is None and time.monotonic() < end
+                return not has_failed and program.exit_code is None and time.monotonic() < end
 
             for line in output.lines(goes_on):
                 for error in here.simulator.error_lines(line):
                     on_error(error)
-                if here.simulator.load_failed(line):
-                    raise SimulatorFailed(f"{here} did not load the world {world}")
+                # Why it failed may stand in the other file, or come a moment later.
+                has_failed = has_failed or here.simulator.load_failed(line)
+            if has_failed:
+                raise SimulatorFailed(f"{here} did not load the world {world}")
             return program.exit_code
 
 
