@@ -211,7 +211,7 @@ class Registry(Mapping[str, Thing]):
             file = offered_modules(self._group).get(name) or (f"{self._package}.{name}" if self._package else "")
             if file and isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
                 import_module(file)
-            for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
+            for find in (self._import_all_own, lambda: self._find_offered(name)):
                 if name not in self._things:
                     find()
 

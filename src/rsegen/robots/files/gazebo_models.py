@@ -23,7 +23,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import flat_name
-from rsegen.robots.files.rigid import has_fixed_links, make_one
+from rsegen.robots.files.rigid import has_fixed_links, head_of, make_one
 from rsegen.robots.files.sdf_elements import ENDS, NAMES_A_PART, numbers_text, pose_text, without_plugins
 from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
@@ -56,13 +56,9 @@ def fit(
 def _body(frames: ModelFrames, driven: Iterable[str]) -> str:
     """Return the link on which a driven one hangs, or else the first one; an empty text if there are no links."""
     links = [name for name, _ in frames.links()]
-    above = {link: frames.parent(joint) for link, joint in frames.holders().items()}
+    parents = ((link, frames.parent(joint)) for link, joint in frames.holders().items())
     body = next((link for link in driven if link in links), links[0] if links else "")
-    for _ in links:  # as deep as there are links, as a file may have a circle
-        if above.get(body, "") not in links:
-            break
-        body = above[body]
-    return body
+    return head_of(body, {link: parent for link, parent in parents if parent in links})
 
 
 def _lead(model: Element, body: str, first: str) -> None:

@@ -43,18 +43,19 @@ def make_one(model: Element, frames: ModelFrames, apart: Collection[str]) -> Non
     above = _fixed(frames, apart)
     parts: dict[str, list[str]] = {}
     for link, _ in frames.links():
-        parts.setdefault(_head(link, above), []).append(link)
+        parts.setdefault(head_of(link, above), []).append(link)
     bodies = _bodies(frames)
     for head, links in parts.items():
         if len(links) > 1:
             _put_into(head, links, bodies, frames)
+    holders = frames.holders()
     for link in above:
         model.remove(frames.elements[link])
-        model.remove(frames.joints[frames.holders()[link]])
+        model.remove(frames.joints[holders[link]])
     joints, plugins = ([inner for part in model.findall(tag) for inner in part.iter()] for tag in ("joint", "plugin"))
     named = [part for part in joints if part.tag in ENDS] + [part for part in plugins if NAMES_A_PART.search(part.tag)]
     for part in named:
-        part.text = _head((part.text or "").strip(), above)
+        part.text = head_of((part.text or "").strip(), above)
 
 
 def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
@@ -69,12 +70,12 @@ def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
     above = {link: other for link, other in above.items() if {link, other} <= links}
     # A fender on a track is no belt, so it becomes a part of what carries the track.
     carried = {link: above[link] for link in apart if link in above}
-    own = {link: _head(other, carried) for link, other in above.items() if link not in apart}
-    return {link: other for link, other in own.items() if _head(link, own) not in own}
+    own = {link: head_of(other, carried) for link, other in above.items() if link not in apart}
+    return {link: other for link, other in own.items() if head_of(link, own) not in own}
 
 
-def _head(link: str, above: Mapping[str, str]) -> str:
-    """Return the link that a link becomes a part of; of a circle one that is in it."""
+def head_of(link: str, above: Mapping[str, str]) -> str:
+    """Return the link at the end of those above a link, by the one above each; of a circle one that is in it."""
     for _ in above:
         link = above.get(link, link)
     return link

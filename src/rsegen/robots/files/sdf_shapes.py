@@ -382,9 +382,8 @@ def extents(frames: ModelFrames) -> Extents:
     for link, collision, geometry in frames.collisions():
         if geometry[0].find("submesh") is not None:
             part = f"link {shown(link)}: collision shape {shown(collision.get('name', ''))}"
-            raise FileError(
-                f"{frames.where}: {part} is a <submesh>, which is not read; write it into a file of its own"
-            )
+            problem = "is a <submesh>, which is not read; write it into a file of its own"
+            raise FileError(f"{frames.where}: {part} {problem}")
         key = form_of(geometry)
         solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)
         if solid is None:
