@@ -13,8 +13,16 @@ from hypothesis import strategies as st
 from rsegen.errors import FileError
 from rsegen.geometry.poses import rotation
 from rsegen.robots.base import ROBOTS
+from rsegen.robots.files.densities import weigh
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
-from rsegen.robots.files.sdf_shapes import Inertial, ModelFrames, extents, inertials, is_impossible
+from rsegen.robots.files.sdf_shapes import (
+    Inertial,
+    ModelFrames,
+    extents,
+    inertia_tensor,
+    inertials,
+    is_impossible,
+)
 from tests.robots.two_wheels import ROS_1, two_wheels
 
 INERTIAL = "<inertial>{}</inertial>"
@@ -104,8 +112,115 @@ def test_moments_of_point_masses_are_possible_and_rounding_makes_them_no_others(
     assert is_impossible(turn @ np.diag([1, 1, 2.1]) @ turn.T)
 
 
+SOLIDS = {
+    "box": ("<box><size>0.3 0.2 0.1</size></box>", "box", "0.15 0.1 0.05"),
+    "sphere": ("<sphere><radius>0.1</radius></sphere>", "sphere", "0.1"),
+    "ellipsoid": ("<ellipsoid><radii>0.3 0.2 0.1</radii></ellipsoid>", "ellipsoid", "0.3 0.2 0.1"),
+    "cylinder": ("<cylinder><radius>0.1</radius><length>0.3</length></cylinder>", "cylinder", "0.1 0.15"),
+    "capsule": ("<capsule><radius>0.1</radius><length>0.3</length></capsule>", "capsule", "0.1 0.15"),
+}
+
+
+def assert_weighed_alike(text: str, geoms: str) -> None:
+    """The masses of a link, by the densities of its shapes in SDF, are those of a body in MuJoCo."""
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    frames = ModelFrames(ElementTree.fromstring(f"<model name='m'>{text}</model>"), "m.sdf")
+    assert weigh(frames) == ["a"]
+    link = frames.elements["a"]
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody><body>{geoms}</body></worldbody></mujoco>")
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[1])
+    tensor = turn.reshape(3, 3) @ np.diag(model.body_inertia[1]) @ turn.reshape(3, 3).T
+    found = inertials(frames)["a"]
+    assert found.mass == pytest.approx(model.body_mass[1], rel=1e-6)
+    np.testing.assert_allclose(found.centre, model.body_ipos[1], atol=1e-7)
+    np.testing.assert_allclose(inertia_tensor("a", link, frames), tensor, atol=1e-6 * model.body_inertia[1].max())
+
+
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_links_are_weighed_by_the_densities_of_their_shapes_as_bodies_in_mujoco(solid: str) -> None:
+    geometry, kind, size = SOLIDS[solid]
+    shapes = (
+        "<collision name='b'><pose>0.1 0.2 0.3 0.4 0 0</pose><density>700</density>"
+        f"<geometry>{geometry}</geometry></collision>"
+        f"<collision name='c'><pose>-0.2 0 0 0 0.7 0</pose><geometry>{geometry}</geometry></collision>"
+    )
+    inertial = "<inertial auto='True'><density>400</density><pose>9 9 9 0 0 0</pose></inertial>"
+    geom = f"<geom type='{kind}' size='{size}'"
+    geoms = (
+        f"{geom} density='700' pos='0.1 0.2 0.3' euler='{np.degrees(0.4)} 0 0'/>"
+        f"{geom} density='400' pos='-0.2 0 0' euler='0 {np.degrees(0.7)} 0'/>"
+    )
+    assert_weighed_alike(f"<link name='a'>{inertial}{shapes}</link>", geoms)
+
+
+def test_meshes_and_cones_are_weighed_as_their_volumes(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    mesh = trimesh.creation.annulus(0.05, 0.1, 0.2).apply_translation([0.3, 0.1, 0])
+    mesh.export(tmp_path / "ring.stl")
+    uri = f"<uri>{tmp_path / 'ring.stl'}</uri><scale>1 2 1</scale>"
+    frames = ModelFrames(
+        ElementTree.fromstring(
+            "<model name='m'><link name='a'><inertial auto='1'/><collision name='c'><geometry>"
+            f"<mesh>{uri}</mesh></geometry></collision></link><link name='b'><inertial auto='1'/><collision name='c'>"
+            "<geometry><cone><radius>0.1</radius><length>0.4</length></cone></geometry></collision></link></model>"
+        ),
+        "m.sdf",
+    )
+    assert weigh(frames) == ["a", "b"]
+    cone = trimesh.creation.cone(0.1, 0.4, sections=720).apply_translation([0, 0, -0.2])
+    for link, solid in (("a", mesh.apply_scale([1, 2, 1])), ("b", cone)):
+        solid.density = 1000
+        found = inertials(frames)[link]
+        assert found.mass == pytest.approx(solid.mass, rel=1e-4)
+        np.testing.assert_allclose(found.centre, solid.center_mass, atol=1e-6)
+        tensor = inertia_tensor(link, frames.elements[link], frames)
+        np.testing.assert_allclose(tensor, solid.moment_inertia, atol=1e-4 * solid.moment_inertia.max())
+
+
 @pytest.mark.parametrize("mass", ["", "<mass>2</mass>"])
-def test_an_inertial_that_gazebo_computes_is_refused(tmp_path: Path, mass: str) -> None:
+def test_a_robot_whose_inertials_gazebo_computes_is_driven_by_them(tmp_path: Path, mass: str) -> None:
     text = two_wheels(ROS_1).replace("<inertial><mass>3</mass>", f"<inertial auto='true'>{mass}", 1)
-    with pytest.raises(FileError, match="link 'base': its <inertial auto='true'> is computed by Gazebo Sim"):
-        read(tmp_path, text)
+    robot = read(tmp_path, text)
+    assert "weighed by the densities of their shapes, as Gazebo Sim does: base" in robot.remarks
+    volume = 0.3 * 0.2 * 0.08 + 4 / 3 * np.pi * 0.02**3
+    base = next(link for link in ElementTree.fromstring(robot.text).iter("link") if link.get("name") == "base")
+    inertial = base.find("inertial")
+    assert inertial is not None
+    assert not inertial.attrib
+    assert float(inertial.findtext("mass", "")) == pytest.approx(2 if mass else 1000 * volume)
+
+
+@pytest.mark.parametrize(
+    ("shape", "says"),
+    [
+        ("", "m.sdf: link 'a': its <inertial auto='true'> needs a collision shape"),
+        (
+            "<collision name='c'><density>-1</density><geometry><box><size>1 1 1</size></box></geometry></collision>",
+            "m.sdf: link 'a': collision shape 'c': its density of -1 kg/m^3 is not positive",
+        ),
+        (
+            "<collision name='c'><geometry><heightmap/></geometry></collision>",
+            "m.sdf: link 'a': collision shape 'c': the mass of a <heightmap> is not computed; write the link's"
+            " <inertial> without auto",
+        ),
+    ],
+)
+def test_what_cannot_be_weighed_is_refused(shape: str, says: str) -> None:
+    model = ElementTree.fromstring(f"<model name='m'><link name='a'><inertial auto='1'/>{shape}</link></model>")
+    with pytest.raises(FileError) as caught:
+        weigh(ModelFrames(model, "m.sdf"))
+    assert str(caught.value) == says
+
+
+def test_a_mesh_that_is_inside_out_is_not_weighed(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    mesh = trimesh.creation.box((1, 1, 1))
+    mesh.invert()
+    mesh.export(tmp_path / "box.stl")
+    shape = f"<geometry><mesh><uri>{tmp_path / 'box.stl'}</uri></mesh></geometry>"
+    model = ElementTree.fromstring(
+        f"<model name='m'><link name='a'><inertial auto='1'/><collision name='c'>{shape}</collision></link></model>"
+    )
+    with pytest.raises(FileError, match="has no volume, as it is not closed, or its faces point inwards; mend it"):
+        weigh(ModelFrames(model, "m.sdf"))

@@ -74,8 +74,8 @@ def append_inertial(link: Element, body: Mass) -> None:
 
 
 def is_true(text: str | None) -> bool:
-    """Return whether the text of an element says yes."""
-    return (text or "").strip() in ("1", "true")
+    """Return whether the text of an element or an attribute says yes, in letters of any case."""
+    return (text or "").strip().lower() in ("1", "true")
 
 
 def without_plugins(element: Element) -> Iterator[Element]:

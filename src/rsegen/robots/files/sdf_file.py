@@ -28,6 +28,7 @@ from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels
 from rsegen.robots.files.body import body_of_model
 from rsegen.robots.files.controllers import Controls, controls
+from rsegen.robots.files.densities import weigh
 from rsegen.robots.files.drivable import HELD, hold_and_turn, is_loadable, make_drivable, take_out
 from rsegen.robots.files.gazebo_models import fit
 from rsegen.robots.files.holding import hold
@@ -357,6 +358,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     refuse_unknown(frames, is_whole=not missing)
     hang_on_links(frames)
     shapes = frames.shapes
+    weighed = weigh(frames)
     inertials(frames)  # an error for a mass that no simulator takes
     mimics(frames)  # and for what is no number
     if wheels:
@@ -378,6 +380,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (ties_to_world(model) if drive else (), "held in the world in its file by {}, and moves freely in a drive"),
+            (weighed, "weighed by the densities of their shapes, as Gazebo Sim does: {}"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
             (

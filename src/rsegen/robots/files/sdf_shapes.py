@@ -231,7 +231,7 @@ def matrix_of(pose: Element, where: str) -> Array:
     else:
         text = pose.text if (pose.text or "").strip() else "0 0 0 0 0 0"
         *place, roll, pitch, yaw = floats(text, 6, where)
-        if pose.get("degrees") in ("1", "true"):
+        if is_true(pose.get("degrees")):
             roll, pitch, yaw = map(radians, (roll, pitch, yaw))
         turn = rotation(roll, pitch, yaw)
     return pose_matrix(place, turn)
@@ -251,12 +251,6 @@ def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     )
 
 
-_AUTOMATIC = (
-    "its <inertial auto='true'> is computed by Gazebo Sim from the densities of its shapes; write its <mass>, <pose>"
-    " and <inertia> there, as `gz model -m NAME -l` prints them"
-)
-
-
 class Inertial(NamedTuple):
     """The mass of a link, kg, and its centre, (3,), in the model's frame, metres."""
 
@@ -267,15 +261,13 @@ class Inertial(NamedTuple):
 def inertials(frames: ModelFrames) -> dict[str, Inertial]:
     """Return the inertial of every link of a model: by SDF's default 1 kg at the origin of the link.
 
-    FileError for a mass that is not positive, a moment of inertia that is negative, and what a simulator computes.
+    FileError for a mass that is not positive, and a moment of inertia that is negative.
     """
     by_link = {}
     for link, element in frames.links():
         mass, place, inertial = 1.0, frames.transform(link), element.find("inertial")
         if inertial is not None:
             where = f"{frames.where}: link {shown(link)}"
-            if inertial.get("auto", "") in ("1", "true"):
-                raise FileError(f"{where}: {_AUTOMATIC}")
             (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
             refuse_mass(mass, where)
             refuse_moments(inertia_tensor(link, element, frames), where)
