@@ -67,9 +67,9 @@ class DifficultySort:
 
 
 def asked_certainty(asked: str) -> tuple[str, str] | None:
-    """Return the robot and the certainty of a text such as `crawler:0.9`; None if it asks for none, as `FILE A:=1`."""
-    robot, colon, share = asked.partition(":")
-    return (robot, share) if colon and not share.startswith("=") else None
+    """Return the robot and the certainty of a text such as `crawler:0.9`; None of one without, as `/a:b/FILE A:=1`."""
+    robot, colon, share = asked.rpartition(":")
+    return (robot, share) if colon and not share.startswith("=") and "/" not in share else None
 
 
 @dataclass(frozen=True)
