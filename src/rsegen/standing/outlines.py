@@ -11,7 +11,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.standing.body import Body
 
-HEADINGS = 16
+SPOT_HEADINGS = 16
 """Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
 
 EXACT = 1e-9
@@ -105,7 +105,7 @@ def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Sp
 
 def fits(field: StepField, body: Body) -> bool:
     """Return whether a robot is wholly within a field at one of the 16 headings, however uneven it is there."""
-    yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
+    yaw = np.arange(SPOT_HEADINGS) * 2 * pi / SPOT_HEADINGS
     room = range_inside(field.extent, Outline.of(body), yaw)
     return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
 

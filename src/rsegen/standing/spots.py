@@ -27,7 +27,7 @@ from rsegen.params.streams import generator
 from rsegen.standing.body import Body
 from rsegen.standing.ground import PaddedGround
 from rsegen.standing.lanes import drive_lanes
-from rsegen.standing.outlines import EXACT, HEADINGS, Outline, Spot, apart, fits, range_inside
+from rsegen.standing.outlines import EXACT, SPOT_HEADINGS, Outline, Spot, apart, fits, range_inside
 from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
 from rsegen.standing.settling import Settled, outer_radius, settle
@@ -147,7 +147,7 @@ class _Search:
         Inside is where the robot is wholly within the field.
         """
         even, (along, across, turn) = numbers % 2 == 0, self.drawn[:, numbers]
-        yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
+        yaw = np.where(even, np.floor(turn * SPOT_HEADINGS) / SPOT_HEADINGS, turn) * 2 * pi
         extent, half = self.judge.field.extent, self.judge.field.block_width / 2
         room = range_inside(extent, self.outline, yaw)
         inside = np.asarray((room[:, 0] <= room[:, 1]).all(axis=0))
