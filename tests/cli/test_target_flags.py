@@ -17,9 +17,12 @@ import rsegen
 import rsegen.driving.commands
 import rsegen.simulators.commands
 import rsegen.spawning.commands
+from rsegen import Peak, Random
 from rsegen.cli.edge import main
-from rsegen.cli.flags import target_of
+from rsegen.cli.flags import obstacle_in, target_of
 from rsegen.cli.parser import parsed as parsed_words
+from rsegen.errors import ParameterError
+from rsegen.obstacles.base import Obstacle
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulators.open_world import OpenedWorld, OpenResult
 from rsegen.simulators.poses import Pose
@@ -235,3 +238,20 @@ def test_the_page_plays_the_drive_of_a_folder(
     for name, plays in (("drive", True), ("map", False)):
         assert main(["gui", name, "--no-browser", "--port", "0"]) == 0
         assert ("&play=drive" in capsys.readouterr().out) == plays
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("peak levels=5 first=[2, 2] last=[4,4]", Peak(levels=5, first=(2, 2), last=(4, 4))),
+        ("peak levels=5 first=2, 2", Peak(levels=5, first=(2, 2))),
+        ("random levels=3 weights=[ 1 ,2, 1 ]", Random(levels=3, weights=(1, 2, 1))),
+    ],
+)
+def test_lists_of_an_obstacle_may_have_blanks_as_recipes_have_them(written: str, meant: Obstacle) -> None:
+    assert obstacle_in(written) == meant
+
+
+def test_blanks_in_quotation_marks_stay() -> None:
+    with pytest.raises(ParameterError, match="key: invalid value 'a, b'"):
+        obstacle_in("peak levels=5 key='a, b'")

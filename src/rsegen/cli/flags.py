@@ -141,6 +141,10 @@ def _obstacle_flag(text: str) -> str:
     return f"--obstacle {shown(text)}"
 
 
+_BLANKS_OF_LISTS = re.compile(r"(?<=[\[,])\s+|\s+(?=[],])")
+"""Blanks in lists as recipes and the help have them, `first=[2, 2]`."""
+
+
 def obstacle_in(text: str) -> Obstacle:
     """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
     from rsegen.obstacles import KINDS
@@ -148,7 +152,7 @@ def obstacle_in(text: str) -> Obstacle:
 
     where = _obstacle_flag(text)
     try:
-        name, *pairs = shlex.split(text)
+        name, *pairs = shlex.split(text if "'" in text or '"' in text else _BLANKS_OF_LISTS.sub("", text))
     except ValueError:
         raise ParameterError(where, "expected a kind and then KEY=VALUE, as in 'peak levels=5'") from None
     try:
