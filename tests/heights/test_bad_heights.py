@@ -220,6 +220,7 @@ MAP = "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_th
         (("0.05", "{a: 1}"), "resolution: {'a': 1} is not a number"),
         (("negate: 0", "negate: perhaps"), "negate: 'perhaps' is not a whole number"),
         ((MAP, "[1, 2]"), "not an occupancy grid of ROS"),
+        ((MAP, "rosbag2_bagfile_information: {version: 9}"), "m.yaml: not an occupancy grid of ROS"),
         ((MAP, "obstacles: [{kind: peak}]"), "m.yaml: a recipe, not an occupancy grid of ROS; generate makes"),
         ((MAP, "image: m.pgm"), "resolution: an empty value is not a number"),
     ],

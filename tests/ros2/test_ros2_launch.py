@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import runpy
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import pytest
 import yaml
@@ -30,48 +31,130 @@ from tests.support.runs import contents
 
 FILES = Path(of_packages.__file__).with_name("package_files")
 
+Context = dict[str, str]
+"""Values of launch arguments."""
+
 
 class Stand:
     """In place of any class of ROS's launch: what it was made of."""
 
+    keywords: ClassVar[frozenset[str]] = frozenset()
+
     def __init__(self, *arguments: Any, **named: Any) -> None:
+        assert named.keys() <= self.keywords, f"{type(self).__name__} of Humble or of Jazzy has no such keyword"
         self.arguments, self.named = arguments, {name: _plain(value) for name, value in named.items()}
 
-    def perform(self, given: Mapping[str, str]) -> str:
-        """The value of a launch argument."""
-        return given[self.arguments[0]]
+
+class Configuration(Stand):
+    def perform(self, context: Context) -> str:
+        """Return the value of a launch argument; a KeyError if it is not declared yet."""
+        return context[self.arguments[0]]
+
+
+class Argument(Stand):
+    keywords = frozenset({"default_value", "description", "choices"})
+
+    def execute(self, context: Context) -> list[Stand]:
+        """Set the default if no value is given, as launch does; a RuntimeError if it is none of the choices."""
+        value = context.setdefault(self.arguments[0], self.named["default_value"])
+        if value not in self.named.get("choices", [value]):
+            raise RuntimeError(f'Argument "{self.arguments[0]}" provided value "{value}" is not valid')
+        return []
+
+
+class Function(Stand):
+    keywords = frozenset({"function"})
+
+    def execute(self, context: Context) -> list[Stand]:
+        """Return the function's entities, which are not executed."""
+        return self.named["function"](context) or []
+
+
+class Source(Stand):
+    def get_launch_description(self, context: Context) -> Description:
+        """Return the entities of a launch file."""
+        (path,) = self.arguments
+        return Description(runpy.run_path(path)["generate_launch_description"]())
+
+
+class XacroCommand(Stand):
+    keywords = frozenset({"on_stderr"})
+
+    def perform(self, context: Context) -> str:
+        """Return what stands for the command's output; by default launch fails at what it says on standard error."""
+        assert self.named["on_stderr"] == "warn"  # xacro's warnings are there
+        (command,) = self.arguments
+        return f"output of {''.join(command)}"
+
+
+class ANode(Stand):
+    keywords = frozenset(
+        {"package", "executable", "name", "namespace", "arguments", "parameters", "condition", "output"}
+    )
+
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        super().__init__(*arguments, **named)
+        for values in named.get("parameters", []):
+            for value in values.values() if isinstance(values, dict) else ():
+                # launch_ros reads text as YAML: that of a path may be cut off at " #".
+                assert not isinstance(value, str) or yaml.safe_load(value) == value, value
+
+
+class Description(list[Stand]):
+    """In place of LaunchDescription."""
+
+    @property
+    def entities(self) -> Sequence[Stand]:
+        return self
+
+
+def stand(*keywords: str) -> type[Stand]:
+    """Return a class that takes these keywords."""
+    return type("Stand", (Stand,), {"keywords": frozenset(keywords)})
 
 
 def _plain(value: Any) -> Any:
     return dict(value) if isinstance(value, type({}.items())) else value
 
 
-def _is_true(given: Mapping[str, str], expression: Sequence[Stand]) -> bool:
-    return {"true": True, "1": True, "false": False, "0": False}[expression[0].perform(given).lower()]
+def _is_true(context: Context, expression: Sequence[Configuration]) -> bool:
+    text = expression[0].perform(context)
+    try:
+        return {"true": True, "1": True, "false": False, "0": False}[text.lower()]
+    except KeyError:
+        raise RuntimeError(f"invalid condition expression, got '{text}'") from None
 
 
-MODULES: Mapping[str, Sequence[str]] = {
-    "launch": ["LaunchDescription"],
-    "launch.actions": [
-        *("DeclareLaunchArgument", "IncludeLaunchDescription", "LogInfo", "OpaqueFunction", "SetEnvironmentVariable")
-    ],
-    "launch.conditions": ["IfCondition", "evaluate_condition_expression"],
-    "launch.launch_description_sources": ["PythonLaunchDescriptionSource"],
-    "launch.substitutions": ["Command", "EnvironmentVariable", "LaunchConfiguration"],
-    "launch_ros": [],
-    "launch_ros.actions": ["Node"],
-    "launch_ros.parameter_descriptions": ["ParameterValue"],
-    "launch_ros.substitutions": ["FindPackageShare"],
+MODULES: Mapping[str, Mapping[str, Any]] = {
+    "launch": {"LaunchDescription": Description},
+    "launch.actions": {
+        "AppendEnvironmentVariable": stand("prepend", "separator"),
+        "DeclareLaunchArgument": Argument,
+        "IncludeLaunchDescription": stand("launch_arguments", "condition"),
+        "LogInfo": stand("msg"),
+        "OpaqueFunction": Function,
+        "SetEnvironmentVariable": stand(),
+    },
+    "launch.conditions": {"IfCondition": stand(), "evaluate_condition_expression": _is_true},
+    "launch.launch_description_sources": {"PythonLaunchDescriptionSource": Source},
+    "launch.substitutions": {
+        "Command": XacroCommand,
+        "EnvironmentVariable": stand("default_value"),
+        "LaunchConfiguration": Configuration,
+    },
+    "launch_ros": {},
+    "launch_ros.actions": {"Node": ANode},
+    "launch_ros.parameter_descriptions": {"ParameterValue": stand("value_type")},
+    "launch_ros.substitutions": {"FindPackageShare": stand()},
 }
-"""Imports of the launch files: each name is a class that writes down what it is asked, but these two functions."""
-
-FUNCTIONS = {"LaunchDescription": list, "evaluate_condition_expression": _is_true}
+"""Imports of the launch files, and what stands for them; keywords are those that both Humble and Jazzy take."""
 
 
 class Launched(NamedTuple):
     """Outcome of a launch file with some arguments: its nodes, launch files of others, messages, variables.
 
-    Nodes are known by their names, or by their programs if they keep their own names.
+    Nodes are known by their names, or by their programs if they keep their own names. `first` has the folders that are
+    put at the beginning of variables.
     """
 
     arguments: Mapping[str, Any]
@@ -79,52 +162,60 @@ class Launched(NamedTuple):
     included: Mapping[str, Mapping[str, str]]
     said: Sequence[str]
     variables: Mapping[str, str]
+    first: Mapping[str, str]
 
 
-Launch = Callable[..., Launched]
+class Launch:
+    """Runs launch files with arguments, entity by entity, as launch does; `started` is what began, until an error."""
+
+    def __init__(self) -> None:
+        self.started: list[Stand] = []
+
+    def __call__(self, file: Path, **given: str) -> Launched:
+        self.started = []
+        context, entities = dict(given), runpy.run_path(str(file))["generate_launch_description"]()
+        for entity in entities:
+            done = entity.execute(context) if isinstance(entity, Argument | Function) else [entity]
+            self.started += [one for one in done if _is_run(one, context)]
+        declared = {one.arguments[0]: one.named for one in entities if isinstance(one, Argument)}
+        return Launched(
+            declared,
+            {one.named.get("name") or one.named["executable"]: one for one in self._of("launch_ros.actions", "Node")},
+            {
+                _path(one.arguments[0]): one.named["launch_arguments"]
+                for one in self._of("launch.actions", "IncludeLaunchDescription")
+            },
+            [one.named["msg"] for one in self._of("launch.actions", "LogInfo")],
+            {
+                one.arguments[0]: one.arguments[1].named["default_value"]
+                for one in self._of("launch.actions", "SetEnvironmentVariable")
+            },
+            {
+                one.arguments[0]: one.arguments[1]
+                for one in self._of("launch.actions", "AppendEnvironmentVariable")
+                if one.named["prepend"]
+            },
+        )
+
+    def _of(self, module: str, name: str) -> list[Stand]:
+        return [one for one in self.started if isinstance(one, MODULES[module][name])]
 
 
 @pytest.fixture
 def launch(monkeypatch: pytest.MonkeyPatch) -> Launch:
-    """Runs a launch file with arguments."""
+    """Stand-ins for ROS's modules, and what runs a launch file with them."""
     for name, members in MODULES.items():
         module = ModuleType(name)
-        for member in members:
-            setattr(module, member, FUNCTIONS.get(member) or type(member, (Stand,), {}))
+        for member, stands in members.items():
+            setattr(module, member, stands)
         monkeypatch.setitem(sys.modules, name, module)
-    return launched
+    return Launch()
 
 
-def launched(file: Path, **given: str) -> Launched:
-    found = list(runpy.run_path(str(file))["generate_launch_description"]())
-    declared = {one.arguments[0]: one.named for one in found if type(one).__name__ == "DeclareLaunchArgument"}
-    arguments = {name: named["default_value"] for name, named in declared.items()} | given
-    for one in [one for one in found if type(one).__name__ == "OpaqueFunction"]:
-        found += one.named["function"](arguments)
-    kinds: dict[str, list[Stand]] = {}
-    for one in found:
-        kinds.setdefault(type(one).__name__, []).append(one)
-    return Launched(
-        declared,
-        {
-            one.named.get("name") or one.named["executable"]: one
-            for one in kinds.get("Node", ())
-            if _is_run(one, arguments)
-        },
-        {
-            _path(one.arguments[0]): one.named["launch_arguments"]
-            for one in kinds.get("IncludeLaunchDescription", ())
-            if _is_run(one, arguments)
-        },
-        [one.named["msg"] for one in kinds.get("LogInfo", ())],
-        {one.arguments[0]: one.arguments[1].named["default_value"] for one in kinds.get("SetEnvironmentVariable", ())},
-    )
-
-
-def _is_run(one: Stand, given: Mapping[str, str]) -> bool:
+def _is_run(one: Stand, context: Context) -> bool:
     """Return whether the condition of a node or launch file, if any, is met."""
     condition = one.named.get("condition")
-    return condition is None or condition.arguments[0].perform(given) == "true"
+    return condition is None or _is_true(context, condition.arguments)
 
 
 def _path(source: Stand) -> str:
@@ -133,8 +224,18 @@ def _path(source: Stand) -> str:
     return place if isinstance(place, str) else place[0].arguments[0] + place[1]
 
 
+def text_of(value: Stand) -> str:
+    """The text of a parameter that is not read as YAML."""
+    assert value.named["value_type"] is str
+    text: str = value.arguments[0]
+    return text
+
+
 SIM = "ros_gz_sim/launch/gz_sim.launch.py"
 SERVER, CLIENT = (f"gazebo_ros/launch/{name}.launch.py" for name in ("gzserver", "gzclient"))
+
+
+LAUNCH_FILES = [path.split("/")[1].removesuffix(".launch.py") for path in PYTHON if path.startswith("launch/")]
 
 
 @pytest.mark.parametrize("path", PYTHON)
@@ -158,8 +259,8 @@ def test_launch_files_name_the_robot_and_the_map_as_bridge_and_rviz_do(package: 
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
-    """The folder of a package, whose path has a space in it."""
-    return written(NAMED, tmp_path / "my workspace")
+    """The folder of a package, whose path has spaces in it, and what YAML takes for a comment."""
+    return written(NAMED, tmp_path / "my #1 workspace")
 
 
 @pytest.mark.parametrize(
@@ -186,7 +287,7 @@ def test_the_clock_of_gazebo_sim_is_bridged(package: Path, launch: Launch) -> No
     bridge = launch(package / "launch" / "gazebo_sim.launch.py").nodes["clock_bridge"]
     assert (bridge.named["package"], bridge.named["executable"]) == ("ros_gz_bridge", "parameter_bridge")
     (parameters,) = bridge.named["parameters"]
-    (topic,) = yaml.safe_load(Path(parameters["config_file"]).read_text())
+    (topic,) = yaml.safe_load(Path(text_of(parameters["config_file"])).read_text())
     assert topic == {
         "ros_topic_name": "/clock",
         "ros_type_name": "rosgraph_msgs/msg/Clock",
@@ -202,9 +303,10 @@ def test_what_is_requested_is_launched_in_the_time_of_the_simulation(
 ) -> None:
     file = package / "launch" / "gazebo_sim.launch.py"
     name = {"nav2": "navigation"}.get(wanted, wanted)
-    more = launch(file, **{wanted: "true"}).included.keys() - launch(file).included.keys()
-    assert more == {str(package / "launch" / f"{name}.launch.py")}
-    assert launch(file, **{wanted: "true"}).included[next(iter(more))] == {"use_sim_time": "true"}
+    included = launch(file, robot="jackal", **{wanted: "true"}).included
+    (more,) = included.keys() - launch(file, robot="jackal").included.keys()
+    assert more == str(package / "launch" / f"{name}.launch.py")
+    assert included[more] == {"use_sim_time": "true"}
 
 
 @pytest.mark.parametrize("name", ["rviz", "map_server", "navigation", "elevation"])
@@ -260,16 +362,24 @@ def test_a_robot_of_a_file_or_topic_is_spawned_west_of_the_map_or_at_a_given_pla
     west = -NAMED.field.extent[0] / 2 - 1
     node = launch(file, simulator=simulator, robot_topic="robot_description").nodes[executable]
     assert node.named["package"] == name
-    place = ["-x", str(west), "-y", "0.0", "-z", "0.1", "-R", "0.0", "-P", "0.0", "-Y", "0.0"]
-    assert node.named["arguments"] == [named, "robot", "-topic", "robot_description", *place]
+    assert node.named["arguments"][:4] == [named, "robot", "-topic", "robot_description"]
+    assert place_of(node) == {"-x": west, "-y": 0, "-z": 0.1, "-R": 0, "-P": 0, "-Y": 0}
     own = package / "my robot.sdf"
     own.write_text("<sdf/>")
-    given = {"robot": str(own), "robot_name": "r2", "x": "-3", "yaw": "1.5"}
+    given = {"robot": str(own), "robot_name": "r2", "x": "-3", "y": "-1e-5", "yaw": "1.5"}
     found = launch(file, simulator=simulator, **given)
-    place = ["-x", "-3.0", "-y", "0.0", "-z", "0.1", "-R", "0.0", "-P", "0.0", "-Y", "1.5"]
-    assert found.nodes[executable].named["arguments"] == [named, "r2", "-file", str(own), *place]
+    node = found.nodes[executable]
+    assert node.named["arguments"][:4] == [named, "r2", "-file", str(own)]
+    assert place_of(node) == {"-x": -3, "-y": -1e-5, "-z": 0.1, "-R": 0, "-P": 0, "-Y": 1.5}
     assert ("robot_bridge" in found.nodes) == (simulator == "sim")
     assert found.said == [f"The robot {own} starts at the given coordinates."]
+
+
+def place_of(node: Stand) -> dict[str, float]:
+    """The coordinates of a spawner, as argparse in spawn_entity.py reads them: no exponents."""
+    values = node.named["arguments"][4:]
+    assert all(re.fullmatch(r"-?\d+\.\d+", value) for value in values[1::2])
+    return {name: float(value) for name, value in zip(values[::2], values[1::2], strict=True)}
 
 
 def test_a_urdf_of_the_user_is_expanded_by_xacro_and_spawned_from_its_description(
@@ -279,7 +389,7 @@ def test_a_urdf_of_the_user_is_expanded_by_xacro_and_spawned_from_its_descriptio
     own.write_text("<robot name='r'><link name='l'/></robot>")
     nodes = launch(package / "launch" / "spawn_robot.launch.py", robot=str(own), bridge="none").nodes
     (description,) = nodes["robot_state_publisher"].named["parameters"]
-    assert description["robot_description"].arguments[0].arguments == (["xacro ", f"'{own}'"],)
+    assert text_of(description["robot_description"]) == f"output of xacro '{own}'"
     assert nodes["create"].named["arguments"][:4] == ["-name", "robot", "-topic", "robot_description"]
     assert "robot_bridge" not in nodes
     assert frame_of(nodes["odom_frame"])["x"] == -NAMED.field.extent[0] / 2 - 1  # its wheels count from there
@@ -302,7 +412,8 @@ def test_a_robot_of_rsegen_is_spawned_with_its_description_bridge_and_frames(
     assert found.nodes["create"].named["arguments"][:4] == ["-name", "robot", "-file", str(folder / "model.sdf")]
     assert (folder / "model.sdf").is_file()
     (bridge,) = found.nodes["robot_bridge"].named["parameters"]
-    assert bridge == {"config_file": str(folder / "bridge.yaml"), "use_sim_time": True}
+    assert text_of(bridge["config_file"]) == str(folder / "bridge.yaml")
+    assert bridge["use_sim_time"] is True
     (parameters,) = found.nodes["robot_state_publisher"].named["parameters"]
     assert parameters["use_sim_time"] is True
     assert parameters["robot_description"].arguments[0] == (folder / f"{kind}.urdf").read_text()
@@ -311,6 +422,82 @@ def test_a_robot_of_rsegen_is_spawned_with_its_description_bridge_and_frames(
     assert found.said == [f"The robot {kind} starts on the ground west of the map."]
     without = launch(package / "launch" / "spawn_robot.launch.py", robot=kind, localized="false")
     assert found.nodes.keys() - without.nodes.keys() == {"odom_frame"}
+    without = launch(package / "launch" / "spawn_robot.launch.py", robot=kind, bridge="none")
+    assert found.nodes.keys() - without.nodes.keys() == {"robot_bridge"}
+
+
+WRONG = (
+    ({"robot": "jackle"}, "robot: jackle is neither none"),
+    ({"robot": "jackal", "x": "west"}, "x: west is not a number of metres or radians"),
+    ({"robot": "jackal", "yaw": "nan"}, "yaw: nan is not a number of metres or radians"),
+    ({"robot": "jackal", "bridge": "topics.yaml"}, r"bridge: .*/topics\.yaml is not a file"),
+    ({"robot": "jackal", "localized": "no"}, "invalid condition expression, got 'no'"),
+    ({"robot": "jackal", "start": "west"}, 'Argument "start" provided value "west" is not valid'),
+    ({"robot": "jackal", "map": "peak"}, 'Argument "map" provided value "peak" is not valid'),
+    ({"robot": "jackal", "paused": "yes"}, "invalid condition expression, got 'yes'"),
+    ({"robot": "jackal", "elevation": "on"}, "invalid condition expression, got 'on'"),
+    ({"robot": "none", "nav2": "true"}, "give robot:=burger"),
+    ({"robot": "jackal", "nav2": "true", "nav2_params": "mine.yaml"}, r"nav2_params: .*/mine\.yaml is not a file"),
+    ({"robot": "jackal", "nav2": "true", "z": "up"}, "z: up is not a number of metres or radians"),
+)
+
+
+@pytest.mark.parametrize(("given", "problem"), WRONG, ids=[" ".join(given) for given, _ in WRONG])
+def test_a_wrong_argument_is_refused_before_gazebo_or_anything_else_starts(
+    package: Path, launch: Launch, given: dict[str, str], problem: str
+) -> None:
+    """At a later error launch ends, and leaves what it has started."""
+    with pytest.raises(RuntimeError, match=problem):
+        launch(package / "launch" / "gazebo_sim.launch.py", **given)
+    assert processes(launch) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("gazebo_classic", {"paused": "yes"}),
+        ("gazebo_classic", {"gui": "no"}),
+        ("gazebo_classic", {"verbose": "all"}),
+        ("navigation", {"robot": "jackle"}),
+        ("rviz", {"rviz": "yes"}),
+        ("spawn_robot", {"robot": "jackal", "localized": "no"}),
+    ],
+)
+def test_a_wrong_argument_of_the_other_files_starts_nothing(
+    package: Path, launch: Launch, name: str, given: dict[str, str]
+) -> None:
+    with pytest.raises(RuntimeError):
+        launch(package / "launch" / f"{name}.launch.py", **given)
+    assert processes(launch) == []
+
+
+def test_gazebo_classic_starts_after_the_file_that_checks_the_robot(package: Path, launch: Launch) -> None:
+    included = launch(package / "launch" / "gazebo_classic.launch.py").included
+    assert list(included) == [str(package / "launch" / "spawn_robot.launch.py"), SERVER, CLIENT]
+
+
+def processes(launch: Launch) -> list[Stand]:
+    """The nodes and launch files that began."""
+    names = {"launch_ros.actions": "Node", "launch.actions": "IncludeLaunchDescription"}
+    kinds = tuple(MODULES[module][name] for module, name in names.items())
+    return [one for one in launch.started if isinstance(one, kinds)]
+
+
+def test_the_package_s_models_come_before_those_of_the_same_name_in_other_packages(
+    package: Path, launch: Launch
+) -> None:
+    models = str(package / "models")
+    first = launch(package / "launch" / "gazebo_sim.launch.py").first
+    assert first == {"GZ_SIM_RESOURCE_PATH": models, "IGN_GAZEBO_RESOURCE_PATH": models}
+    assert launch(package / "launch" / "gazebo_classic.launch.py").first == {"GAZEBO_MODEL_PATH": models}
+
+
+@pytest.mark.parametrize("name", LAUNCH_FILES)
+def test_a_link_to_a_map_that_was_removed_is_no_map(package: Path, launch: Launch, name: str) -> None:
+    """`colcon build --symlink-install` leaves them in the installed package."""
+    (package / "worlds" / "a_0000.world").symlink_to(package / "gone.world")
+    found = launch(package / "launch" / f"{name}.launch.py", robot="none" if "gazebo" in name else "jackal")
+    assert found.arguments["map"] == found.arguments["map"] | {"default_value": NAMED.name, "choices": [NAMED.name]}
 
 
 def test_the_default_robot_starts_on_its_spot_unless_the_ground_is_wanted(tmp_path: Path, launch: Launch) -> None:
@@ -386,7 +573,7 @@ def test_nav2_s_common_parameters_have_a_point_where_ros_wants_one(package: Path
 def test_the_map_server_is_activated_by_a_lifecycle_manager(package: Path, launch: Launch) -> None:
     nodes = launch(package / "launch" / "map_server.launch.py").nodes
     (grid,) = nodes["map_server"].named["parameters"]
-    assert grid["yaml_filename"] == str(package / "maps" / NAMED.name / "map.yaml")
+    assert text_of(grid["yaml_filename"]) == str(package / "maps" / NAMED.name / "map.yaml")
     (manager,) = nodes["lifecycle_manager_map"].named["parameters"]
     assert manager["autostart"] is True
     assert manager["node_names"] == [nodes["map_server"].named["name"]]

@@ -276,10 +276,10 @@ class OccupancyImage(Importer):
         from rsegen.recipe import recipe_file
 
         content = recipe_file.recipe_content(path)
-        if not isinstance(content, Mapping):
-            raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
-        if "obstacles" in content:
+        if isinstance(content, Mapping) and "obstacles" in content:
             raise FileError(f"{path}: a recipe, not an occupancy grid of ROS; generate makes worlds of it")
+        if not isinstance(content, Mapping) or "image" not in content:
+            raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
         values = {key: content.get(key, _USUAL.get(key)) for key in _KEYS}
         if isinstance(values["negate"], bool):  # as YAML writes it
             values["negate"] = int(values["negate"])

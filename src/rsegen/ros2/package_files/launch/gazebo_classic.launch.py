@@ -3,14 +3,15 @@
 from pathlib import Path
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
+from launch.actions import AppendEnvironmentVariable, DeclareLaunchArgument
+from launch.actions import IncludeLaunchDescription, OpaqueFunction
 from launch.conditions import evaluate_condition_expression
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration
 from launch_ros.substitutions import FindPackageShare
 
 SHARE = Path(__file__).absolute().parents[1]
-MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world'))
+MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world') if path.is_file())
 MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, description='the map')
 
 
@@ -25,9 +26,19 @@ def generate_launch_description():
         DeclareLaunchArgument('gui', default_value='true', description='false is headless, too'),
         DeclareLaunchArgument(
             'robot', default_value='none', description='none, or a file (URDF, Xacro, SDF)'),
-        OpaqueFunction(function=gazebo),
+        # First: another package may have a model of the same name.
+        AppendEnvironmentVariable('GAZEBO_MODEL_PATH', str(SHARE / 'models'), prepend=True),
+        OpaqueFunction(function=checked),
+        # Gazebo is last: if an argument of the robot is wrong, it is not started.
         IncludeLaunchDescription(spawner, launch_arguments={'simulator': 'classic'}.items()),
+        OpaqueFunction(function=gazebo),
     ])
+
+
+def checked(context):
+    """Raise the errors of the arguments, before anything has started."""
+    for name in ('paused', 'headless', 'verbose', 'gui'):
+        lower(context, name)
 
 
 def gazebo(context):

@@ -4,22 +4,24 @@ from pathlib import Path
 from shlex import quote
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
-from launch.actions import SetEnvironmentVariable
+from launch.actions import AppendEnvironmentVariable, DeclareLaunchArgument
+from launch.actions import IncludeLaunchDescription, OpaqueFunction, SetEnvironmentVariable
 from launch.conditions import evaluate_condition_expression, IfCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 SHARE = Path(__file__).absolute().parents[1]
-MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world'))
+MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world') if path.is_file())
 MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, description='the map')
 
 CONFIGS = {
     'IGN_GAZEBO_SERVER_CONFIG_PATH': SHARE / 'config' / 'fortress_server.config',
     'GZ_SIM_SERVER_CONFIG_PATH': SHARE / 'config' / 'server.config',
 }
+CLOCK = str(SHARE / 'config' / 'clock_bridge.yaml')
 ON_REQUEST = {
     'rviz': ('rviz.launch.py', 'show all in RViz'),
     'nav2': ('navigation.launch.py', 'drive to goals with Nav2'),
@@ -43,16 +45,34 @@ def generate_launch_description():
         # Each Gazebo reads its own variable; one that is set already stays.
         *(SetEnvironmentVariable(name, EnvironmentVariable(name, default_value=str(path)))
           for name, path in CONFIGS.items()),
+        # First: another package may have a model of the same name.
+        *(AppendEnvironmentVariable(name, str(SHARE / 'models'), prepend=True)
+          for name in ('IGN_GAZEBO_RESOURCE_PATH', 'GZ_SIM_RESOURCE_PATH')),
+        OpaqueFunction(function=checked),
         OpaqueFunction(function=gazebo),
         Node(
             package='ros_gz_bridge', executable='parameter_bridge', name='clock_bridge',
-            parameters=[{'config_file': str(SHARE / 'config' / 'clock_bridge.yaml')}],
+            parameters=[{'config_file': ParameterValue(CLOCK, value_type=str)}],
             output='screen',
         ),
         included('spawn_robot.launch.py', {'simulator': 'sim'}),
         *(included(file, {'use_sim_time': 'true'}, IfCondition(LaunchConfiguration(name)))
           for name, (file, _) in ON_REQUEST.items()),
     ])
+
+
+def checked(context):
+    """
+    Raise the errors of the arguments of the included files, before anything has started.
+
+    If one is raised later, launch ends and leaves what it has started, such as Gazebo.
+    """
+    requested = [file for name, (file, _) in ON_REQUEST.items() if is_true(context, name)]
+    for file in ('spawn_robot.launch.py', *requested):
+        source = PythonLaunchDescriptionSource(str(SHARE / 'launch' / file))
+        for entity in source.get_launch_description(context).entities:
+            if isinstance(entity, (DeclareLaunchArgument, OpaqueFunction)):
+                entity.execute(context)  # it returns what would be started
 
 
 def included(name, arguments, condition=None):

@@ -10,7 +10,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 SHARE = Path(__file__).absolute().parents[1]
-MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world'))
+MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world') if path.is_file())
 MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, description='the map')
 TIME = DeclareLaunchArgument(
     'use_sim_time', default_value='false', description='true: a simulation runs, use /clock')
@@ -45,9 +45,9 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'nav2_params', default_value='',
             description='file with the parameters of your robot, as robots/KIND/nav2.yaml'),
+        OpaqueFunction(function=nodes),  # first: if an argument is wrong, nothing is started
         IncludeLaunchDescription(
             server, launch_arguments={'use_sim_time': use_sim_time}.items()),
-        OpaqueFunction(function=nodes),
         Node(
             package='nav2_lifecycle_manager', executable='lifecycle_manager',
             name='lifecycle_manager_navigation', parameters=[manager], output='screen',

@@ -10,7 +10,7 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 SHARE = Path(__file__).absolute().parents[1]
-MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world'))
+MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world') if path.is_file())
 MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, description='the map')
 TIME = DeclareLaunchArgument(
     'use_sim_time', default_value='false', description='true: a simulation runs, use /clock')
@@ -23,13 +23,13 @@ def generate_launch_description():
         MAP,
         TIME,
         DeclareLaunchArgument('rviz', default_value='true', description='false: publish alone'),
-        OpaqueFunction(function=description),
         Node(
             package='rviz2', executable='rviz2', name='rviz2',
             arguments=['-d', str(SHARE / 'config' / 'map.rviz')],
             parameters=[{'use_sim_time': LaunchConfiguration('use_sim_time')}],
             condition=IfCondition(LaunchConfiguration('rviz')), output='screen',
         ),
+        OpaqueFunction(function=description),
     ])
 
 

@@ -6,18 +6,19 @@ topics of the bridge expect.
 """
 
 import json
+from math import isfinite, nan
 from pathlib import Path
 from shlex import quote
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
-from launch.conditions import IfCondition
+from launch.conditions import evaluate_condition_expression
 from launch.substitutions import Command, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 SHARE = Path(__file__).absolute().parents[1]
-MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world'))
+MAPS = sorted(path.stem for path in (SHARE / 'worlds').glob('*.world') if path.is_file())
 MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, description='the map')
 
 ROBOTS = sorted(path.name for path in (SHARE / 'robots').iterdir())
@@ -53,7 +54,7 @@ def generate_launch_description():
         *coordinates,
         DeclareLaunchArgument(
             'bridge', default_value='',
-            description='the bridge file of a robot of your own; none: no bridge'),
+            description='bridge file, in place of the default one; none: no bridge'),
         DeclareLaunchArgument(
             'localized', default_value='true',
             description='false: another node, such as SLAM, publishes the frame odom in map'),
@@ -70,12 +71,12 @@ def spawned(context):
     if kind == 'none' and not topic:
         return [LogInfo(msg=f"No robot is spawned: give robot:={', '.join(ROBOTS)} or a file.")]
     start, place = start_pose(given('map'), kind, given('start'))
-    coordinates = {name: float(given(name)) for name in COORDINATES if given(name)}
+    coordinates = {name: number(name, given(name)) for name in COORDINATES if given(name)}
     start.update(coordinates)
     if topic:
         return [spawner(simulator, given('robot_name'), ['-topic', topic], start)]
     place = 'at the given coordinates' if coordinates else place
-    localized = IfCondition(LaunchConfiguration('localized'))
+    localized = evaluate_condition_expression(context, [LaunchConfiguration('localized')])
     said = LogInfo(msg=f'The robot {kind} starts {place}.')
     if kind in ROBOTS:
         if simulator == 'classic':
@@ -85,8 +86,8 @@ def spawned(context):
             said,
             state_publisher((folder / f'{kind}.urdf').read_text()),
             spawner(simulator, 'robot', ['-file', str(folder / 'model.sdf')], start),
-            bridge(given('bridge') or folder / 'bridge.yaml'),
-            frame('odom', dict.fromkeys(start, 0.0), localized),
+            *bridge(given('bridge'), folder / 'bridge.yaml'),
+            *([frame('odom', dict.fromkeys(start, 0.0))] if localized else []),
             frame('wheel_odom', start),
         ]
     path = Path(kind).expanduser().absolute()
@@ -95,13 +96,12 @@ def spawned(context):
     is_sdf = path.suffix == '.sdf'
     source = ['-file', str(path)] if is_sdf else ['-topic', 'robot_description']
     default = SHARE / 'config' / 'robot_bridge.yaml'
-    is_bridged = simulator == 'sim' and given('bridge') != 'none'
     return [
         said,
-        state_publisher(path.read_text() if is_sdf else Command(['xacro ', quote(str(path))])),
+        state_publisher(path.read_text() if is_sdf else expanded(context, path)),
         spawner(simulator, given('robot_name'), source, start),
-        *([bridge(given('bridge') or default)] if is_bridged else []),
-        frame('odom', start, localized),
+        *(bridge(given('bridge'), default) if simulator == 'sim' else []),
+        *([frame('odom', start)] if localized else []),
     ]
 
 
@@ -111,6 +111,22 @@ def start_pose(name, kind, start):
     if start == 'spot' and kind in poses:
         return poses[kind], 'on its spot on the map'
     return poses['ground'], 'on the ground west of the map'
+
+
+def number(name, text):
+    """Return a coordinate; an error if the text is no finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise RuntimeError(f'{name}: {text} is not a number of metres or radians')
+    return value
+
+
+def expanded(context, path):
+    """Return the URDF of a Xacro file; its warnings are printed, and stop nothing."""
+    return Command(['xacro ', quote(str(path))], on_stderr='warn').perform(context)
 
 
 def state_publisher(description):
@@ -127,29 +143,43 @@ def state_publisher(description):
 def spawner(simulator, name, source, start):
     """Return the node that spawns the robot at its start pose."""
     package, executable, named = SPAWNERS[simulator]
-    pose = [part for key, flag in COORDINATES.items() for part in (flag, str(start[key]))]
+    pose = [part for key, flag in COORDINATES.items() for part in (flag, decimal(start[key]))]
     arguments = [named, name, *source, *pose]
     return Node(package=package, executable=executable, arguments=arguments, output='screen')
 
 
-def bridge(file):
-    """Return the bridge of the topics in a file."""
-    return Node(
+def decimal(value):
+    """Return a number without an exponent, which spawn_entity.py takes for an option."""
+    return f'{value:.6f}'
+
+
+def bridge(given, default):
+    """Return the bridge of the topics in the given file, or in the default one, in a list."""
+    if given == 'none':
+        return []
+    file = Path(given).expanduser().absolute() if given else default
+    if not file.is_file():
+        raise RuntimeError(f'bridge: {file} is not a file')
+    parameters = {
+        'config_file': ParameterValue(str(file), value_type=str),
+        'use_sim_time': True,
+    }
+    return [Node(
         package='ros_gz_bridge', executable='parameter_bridge', name='robot_bridge',
-        parameters=[{'config_file': str(file), 'use_sim_time': True}], output='screen',
-    )
+        parameters=[parameters], output='screen',
+    )]
 
 
-def frame(name, pose, condition=None):
+def frame(name, pose):
     """
     Return the publisher of a frame in which odometry is given, in the frame map.
 
     That of rsegen's robots is their true pose in the world, so odom is map; what wheels measure
     begins at the start, as does the odometry of other robots.
     """
-    coordinates = [part for key in COORDINATES for part in (f'--{key}', str(pose[key]))]
+    coordinates = [part for key in COORDINATES for part in (f'--{key}', decimal(pose[key]))]
     return Node(
         package='tf2_ros', executable='static_transform_publisher', name=f'{name}_frame',
         arguments=[*coordinates, '--frame-id', 'map', '--child-frame-id', name],
-        condition=condition, output='screen',
+        output='screen',
     )
