@@ -993,6 +993,26 @@ def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: 
     assert page.js("return state.playbacks.value.length") == 1
 
 
+def test_a_page_that_is_loaded_again_has_the_map_the_panel_and_the_robot(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "mixed-course")
+    page.js("state.tab.value = 'robot'; return state.chooseRobot('jackal')")
+    page.button("Next map").click()
+    page.settled()
+    assert page.js("return [state.index.value, state.scene.value.index]") == [1, 1]
+    chrome.get(chrome.current_url)
+    until(lambda: chrome.execute_script(_HERE + "return Boolean(state?.drawing.value && state.scene.value)"))
+    page.settled()
+    assert page.js("return [state.index.value, state.tab.value, state.robot.value]") == [1, "robot", "jackal"]
+    assert chrome.find_element(By.CSS_SELECTOR, ".chooser output").text == "Map 2 of 3"
+    for key in ("map", "panel", "robot"):
+        chrome.execute_script(f"history.replaceState(null, '', location.href.replace(/{key}=\\w+/, '{key}=none'))")
+    chrome.get(chrome.current_url)
+    until(lambda: chrome.execute_script(_HERE + "return Boolean(state?.hello.value && state.scene.value)"))
+    page.settled()
+    assert page.js("return [state.index.value, state.tab.value, state.robot.value]") == [0, "map", ""]
+    assert page.js("return state.problem.value.text").startswith("unknown robot 'none'")
+
+
 def test_an_address_opens_the_same_document_after_a_restart(chrome: Chrome, tmp_path: Path) -> None:
     save(replace(load(EXAMPLES["peak"]), name="kept"), tmp_path / "kept.yaml")
     addresses: list[str] = []

@@ -210,14 +210,28 @@ async function load(id: string): Promise<boolean> {
   return true;
 }
 
-/* The address of the page opens the document that it shows: this one as long as its server runs, later its file. */
+/* The address of the page opens the document that it shows, this one as long as its server runs, later its file, with
+   the map, the panel and the robot that are chosen. */
 effect(() => {
   const now = state.value;
   if (!now) return;
   const asked = new URLSearchParams({ token: new URLSearchParams(location.search).get("token") ?? "" });
-  for (const [key, value] of Object.entries({ open: now.opens, doc: now.doc, play: playbacks.value.length ? played.value : "" })) if (value) asked.set(key, value);
+  const shown = {
+    open: now.opens, doc: now.doc, map: index.value === (now.first_map ?? 0) ? "" : String(index.value),
+    panel: tab.value === "map" ? "" : tab.value, robot: robot.value, play: playbacks.value.length ? played.value : "",
+  };
+  for (const [key, value] of Object.entries(shown)) if (value) asked.set(key, value);
   history.replaceState(null, "", `?${asked}`);
 });
+
+/* Choose what the address names besides the document. */
+async function restore(asked: URLSearchParams): Promise<void> {
+  const [now, map, panel] = [state.value!, Number(asked.get("map")), asked.get("panel")];
+  const first = now.first_map ?? 0;
+  if (map > first && map < first + now.maps) await showMap(map);
+  if (panel === "obstacles" || panel === "robot" || panel === "results") tab.value = panel;
+  await chooseRobot(asked.get("robot") ?? "");
+}
 
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
@@ -485,6 +499,7 @@ export async function start(): Promise<void> {
   if (!loads && hello.value) await open(""); // a page without a recipe could do nothing
   jobs.value = (hello.value && (await call("jobs", {}).catch(() => null))) || [];
   problem.value = hello.value ? failure : problem.value;
+  if (loads) await restore(asked);
 }
 
 addEventListener("beforeunload", (event) => {
