@@ -217,6 +217,10 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ),
         ({"recipes": replace(ROUGH, difficulty=(0, 1))}, r"recipes\[0\].difficulty: .* is a range"),
         ({"recipes": replace(ROUGH, boundary="outer", frame_height_cm=7)}, r"frame_height_cm: 7 is no multiple"),
+        (
+            {"recipes": replace(ROUGH, boundary="outer", frame_height_cm=10, frame_friction=0.1)},
+            r"recipes\[0\]\.frame_friction: 0\.1 acts on no tile, whose frames are blocks like others; leave it out",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
