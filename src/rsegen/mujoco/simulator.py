@@ -20,7 +20,7 @@ _FIRST = 4
 """The first version in which the surface of a shape can move (`surfacevel`), of which belts are made."""
 
 _PACKAGES = ("mujoco-core", "mujoco")
-"""What has the library, from version 4 on, and what had it before. Both install the same files."""
+"""Packages of the library: from version 4 on, and before. Both install the same files."""
 
 
 @register
