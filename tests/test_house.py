@@ -26,6 +26,13 @@ ROOT = Path(__file__).parents[1]
 HOUSE = ROOT / "src" / "rsegen"
 ENTRIES = 34
 
+SINCE_NUMPY_2 = {
+    *("acos", "acosh", "asin", "asinh", "astype", "atan", "atan2", "atanh", "bitwise_count", "bitwise_invert"),
+    *("bitwise_left_shift", "bitwise_right_shift", "bool", "concat", "cumulative_prod", "cumulative_sum", "isdtype"),
+    *("long", "matrix_transpose", "matvec", "permute_dims", "pow", "strings", "trapezoid", "ulong", "unique_all"),
+    *("unique_counts", "unique_inverse", "unique_values", "unstack", "vecdot", "vecmat"),
+}
+
 
 def test_the_house_is_taken_in_at_a_glance() -> None:
     entries = {path.name for path in HOUSE.iterdir()} - {"py.typed", "__pycache__"}
@@ -54,6 +61,18 @@ def test_folders_of_the_core_name_none_beyond_them_for_type_checkers_either() ->
 def folder_of(module: str) -> str:
     """Return the folder of src/rsegen in which a module is, or its own name."""
     return ".".join(module.split(".")[1:2])
+
+
+def test_no_function_is_called_that_the_oldest_numpy_has_not() -> None:
+    """It is 1.26. `library` is numpy, torch or jax.numpy (learning/arrays.py), so it has numpy's names."""
+    called = {
+        (path.name, node.attr)
+        for path in HOUSE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Attribute) and node.attr in SINCE_NUMPY_2
+        if ast.unparse(node.value) in {"np", "library", "self.library"}
+    }
+    assert called == set()
 
 
 def test_public_names_are_all_there() -> None:

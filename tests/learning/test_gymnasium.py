@@ -190,3 +190,19 @@ def test_what_is_no_model_with_the_blocks_is_refused() -> None:
         NewFieldAtReset(gymnasium.make("CartPole-v1"), GRID)
     with pytest.raises(ParameterError, match=r"grid: .* is not a BlockGrid of rsegen\.learning\.mujoco"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), [GRID])  # type: ignore[arg-type]
+
+
+def test_a_robot_that_its_environment_puts_into_blocks_by_itself_is_refused(tmp_path: Path) -> None:
+    env = NewFieldAtReset(_made("Hopper-v5", "hopper.xml", GRID, tmp_path), GRID)
+    bare: Any = env.unwrapped
+
+    def reset_model(height: float) -> Any:
+        bare.data.qpos[:2] = 0.0, height  # and no set_state
+        return bare._get_obs()
+
+    deep, high = (float(GRID.ground(GRID.highest).heights([0.0, 0.0])) + z for z in (1.0, 1.3))
+    bare.reset_model = lambda: reset_model(high)
+    env.reset(seed=1)
+    bare.reset_model = lambda: reset_model(deep)
+    with pytest.raises(UserError, match=r"Hopper.* starts in the blocks: call set_state"):
+        env.reset(options={"map": 0})

@@ -94,6 +94,13 @@ def test_every_level_has_its_friction_and_no_geom_a_mass(mjlab: Any) -> None:
     assert model.body_mass.sum() == 0
 
 
+def test_frames_that_are_higher_than_all_levels_are_blocks_too(mjlab: Any) -> None:
+    framed = replace(RECIPE, boundary="outer", frame_height_cm=40, chunk_size=8)
+    model, _, _ = _compiled(mjlab, {"recipe": framed}, num_rows=1)
+    tops = np.round(model.geom_pos[:, 2] + model.geom_size[:, 2], 9)
+    assert set(model.geom_friction[tops == 0.4, 0]) == {framed.friction}
+
+
 @pytest.mark.parametrize("shape", ["boxes", "hfield"])
 def test_each_sub_terrain_has_a_friction_of_its_own_that_acts(mjlab: Any, shape: str) -> None:
     """By contacts of feet as mjlab has them, of friction 0.6 and priority 1, on every sub-terrain."""

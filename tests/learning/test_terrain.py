@@ -136,6 +136,18 @@ def test_a_terrain_of_several_frictions_is_no_single_map() -> None:
     assert np.array_equal(terrain.frictions == 0.5, (terrain.field.levels == 1) & (np.arange(40) >= 20))
 
 
+def test_raised_tiles_keep_the_friction_of_their_levels() -> None:
+    by_level = replace(ROUGH, level_friction=(0.2, 0.3))
+    pits = replace(by_level, name="pits", ground_level=3, obstacles=[Pit(levels=4, first=(2, 2), last=(7, 7))])
+    terrain = Terrain(recipes=[by_level, pits], rows=1, columns=2, difficulty=(1, 1), border=0)
+    rough, pit = (rsegen.build(recipe, index).levels for index, recipe in enumerate((by_level, pits)))
+    own = np.concatenate([rough, pit], axis=1)
+    expected = np.select([own == 1, own == 2], [0.2, 0.3], by_level.friction)
+    assert np.array_equal(terrain.frictions, expected)
+    with pytest.raises(ParameterError, match=r"recipes\[0\].level_friction: is by levels, .* raised from level 0 to 3"):
+        assert terrain.recipe
+
+
 def test_spots_are_the_most_level_places_of_their_tiles() -> None:
     terrain = Terrain(recipes=[ROUGH, TABLE], rows=3, columns=2, border=2, gap=2)
     spots = terrain.spots((0.3, 0.2), 2, seed=3)
@@ -217,6 +229,10 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ),
         ({"recipes": replace(ROUGH, difficulty=(0, 1))}, r"recipes\[0\].difficulty: .* is a range"),
         ({"recipes": replace(ROUGH, boundary="outer", frame_height_cm=7)}, r"frame_height_cm: 7 is no multiple"),
+        (
+            {"recipes": replace(ROUGH, boundary="outer", frame_height_cm=10, frame_friction=0.1)},
+            r"recipes\[0\]\.frame_friction: 0\.1 acts on no tile, whose frames are blocks like others; leave it out",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -35,6 +35,9 @@ def check_tile(recipe: Recipe) -> None:
     if recipe.boundary != "none" and recipe.frame_height_cm % recipe.unit_cm:
         problem = f"{recipe.frame_height_cm:g} is no multiple of the unit, {recipe.unit_cm:g}"
         raise ParameterError("frame_height_cm", f"{problem}; the frames of a tile are blocks like others")
+    if recipe.boundary != "none" and recipe.frame_friction is not None and not recipe.is_of_one_friction:
+        problem = f"{recipe.frame_friction:g} acts on no tile, whose frames are blocks like others"
+        raise ParameterError("frame_friction", f"{problem}; leave it out, or the frames: boundary 'none'")
 
 
 def amid(levels: Ints | Array) -> Ints | Array:

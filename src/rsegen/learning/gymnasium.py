@@ -17,10 +17,10 @@ import gymnasium
 import numpy as np
 
 from rsegen.errors import UserError, refuse_other
-from rsegen.field.stepfield import Levels
+from rsegen.field.stepfield import Array, Levels
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
-from rsegen.learning.seating import Seats
+from rsegen.learning.seating import CLEARANCE, Seats
 from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
@@ -56,8 +56,9 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
     """Draws a map of the grid's recipe at each reset, by the seed of the resets; of a recipe of one map any index.
 
     An environment of Gymnasium's MujocoEnv starts above the blocks: each body that can rise is raised until none of its
-    geoms is in the ground, and the observation is the one after that. Other environments place their robots themselves;
-    `ground` is the map as it is now, such as `ground.lift(feet)`.
+    geoms is in the ground, and the observation is the one after that; UserError if it starts in the ground without
+    `set_state`, by which it is raised. Other environments place their robots themselves; `ground` is the map as it is
+    now, such as `ground.lift(feet)`.
     """
 
     def __init__(self, env: Any, grid: BlockGrid) -> None:
@@ -95,9 +96,17 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
         if not hasattr(env, "set_state"):
             yield
             return
-        own = env.set_state
-        env.set_state = lambda qpos, qvel: own(self._seats.put(qpos, self.ground, lower=False), qvel)
+        own, is_raised = env.set_state, False
+
+        def set_state(qpos: Array, qvel: Array) -> None:
+            nonlocal is_raised
+            is_raised = True
+            own(self._seats.put(qpos, self.ground, lower=False), qvel)
+
+        env.set_state = set_state
         try:
             yield
         finally:
             del env.set_state
+        if not is_raised and self._seats.rise(env.data.qpos, self.ground) > CLEARANCE:
+            raise UserError(f"{env} starts in the blocks: call set_state in its reset_model, by which it is raised")

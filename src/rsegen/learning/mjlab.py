@@ -87,7 +87,8 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             peak = f"{_PAIR_BYTES * count**2 / 1e9:.1f} GB in mujoco_warp"
             problem = f"more than {self.most_boxes:,} boxes, the budget of the terrain; {count:,} need {peak}"
             raise TooLarge(f"most_boxes: {problem}; use shape='hfield', fewer tiles, or a larger most_boxes")
-        friction, geometries = friction_by_level(self.recipe), []
+        # Frames are blocks too, and may be higher than all others.
+        friction, geometries = friction_by_level(self.recipe, max(column.material for column in columns)), []
         for column in columns:
             colour = look.colour(column.material) if column.material else GROUND_COLOUR
             geom = add_box(body, column, self.contact.attributes(float(friction[column.material])))

@@ -165,6 +165,11 @@ class Seats:
         mujoco.mj_forward(self.model, self.data)
         return np.array(self.data.qpos)
 
+    def rise(self, qpos: Array, ground: Ground) -> float:
+        """Return how far a robot has to rise so that nothing of it is in the ground, metres; 0 if nothing is."""
+        risen = self.put(qpos, ground, lower=False) - qpos
+        return max([root.upwards * float(risen[root.at]) - CLEARANCE for root in self.roots], default=0.0)
+
     def _bounds(self, geoms: Ints, ground: Ground, world: int | None) -> tuple[float, float]:
         """Return how far a body has to rise to be surely in the ground, if the model has it, and surely above it."""
         mujoco.mj_kinematics(self.model, self.data)

@@ -146,8 +146,7 @@ class Terrain(TerrainDesign):
         for row, column in np.ndindex(self.rows, self.columns):
             key = self._kind_of(column), self._share(row, column)
             recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
-            raised = self._ground - recipe.ground_level
-            levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(raised)
+            levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(self._raised(recipe))
             self._tell_progress()
         make_read_only(levels)
         return levels
@@ -221,8 +220,9 @@ class Terrain(TerrainDesign):
         frictions = np.full(self._shape, self._kinds[0].friction)
         tables = [friction_by_level(recipe, int(self.levels.max())) for recipe in self._kinds]
         for row, column in np.ndindex(self.rows, self.columns):
-            table = tables[self._kind_of(column)]
-            frictions[self._window(row, column)] = table[self.levels[row, column]]
+            kind = self._kind_of(column)
+            own = self.levels[row, column] - self._raised(self._kinds[kind])
+            frictions[self._window(row, column)] = tables[kind][own]
         return frictions
 
     def ground(self, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
@@ -236,9 +236,14 @@ class Terrain(TerrainDesign):
     def recipe(self) -> Recipe:
         """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one.
 
-        ParameterError if its recipes have several frictions, as a map has one for each level.
+        ParameterError if its recipes have several frictions, or levels with frictions of their own in tiles that are
+        raised, as a map has one for each level.
         """
         refuse_unlike(self._kinds, _FRICTIONS)
+        for index, recipe in enumerate(self._kinds):
+            if self._raised(recipe) and not recipe.is_of_one_friction:
+                problem = f"is by levels, and its tiles are raised from level {recipe.ground_level} to {self._ground}"
+                raise ParameterError(f"recipes[{index}].level_friction", f"{problem}; use one ground_level for all")
         return self._as_one
 
     @cached_property
@@ -272,6 +277,10 @@ class Terrain(TerrainDesign):
     def _ground(self) -> int:
         """Level of the flat ground around the tiles, and of all tiles."""
         return max(recipe.ground_level for recipe in self._kinds)
+
+    def _raised(self, recipe: Recipe) -> int:
+        """Return by how many levels the tiles of a recipe are raised."""
+        return self._ground - recipe.ground_level
 
     @property
     def _shape(self) -> tuple[int, int]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext, suppress
+from importlib.metadata import PackageNotFoundError, files, version
 from importlib.util import find_spec
 from math import inf
+from pathlib import Path
 from platform import machine, system
 from typing import ClassVar
 
@@ -17,6 +18,9 @@ from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, EmbeddedSimulator, Emb
 
 _FIRST = 4
 """The first version in which the surface of a shape can move (`surfacevel`), of which belts are made."""
+
+_PACKAGES = ("mujoco-core", "mujoco")
+"""Packages of the library: from version 4 on, and before. Both install the same files."""
 
 
 @register
@@ -31,20 +35,19 @@ class Mujoco(EmbeddedSimulator):
     )
 
     def version(self) -> str | None:
-        """Return the version of the library; None if it is not installed, NoSimulator if it is too old."""
-        if find_spec("mujoco") is None:
+        """Return the version of the library; None if it is not installed, NoSimulator if it is too old or broken."""
+        spec = find_spec("mujoco")
+        if spec is None:
             return None
-        for package in ("mujoco-core", "mujoco"):
-            try:
-                found = version(package)
-            except PackageNotFoundError:
-                continue
-            if int(found.partition(".")[0]) < _FIRST:
-                how = f"to install {self.title} {_FIRST}: pip install -U '{package}>={_FIRST}'"
-                advice = f"{how}; {self.how_to_install[1]}"
-                raise NoSimulator(f"{package} {found} is installed, which is too old; {advice}")
-            return found
-        return None
+        packages = _packages()
+        if not packages:
+            return None
+        package, found = next(iter(packages.items()))
+        if _is_old(found):
+            how = f"to install {self.title} {_FIRST}: pip install -U '{package}>={_FIRST}'"
+            raise NoSimulator(f"{package} {found} is installed, which is too old; {how}; {self.how_to_install[1]}")
+        _refuse_broken(packages, has_code=spec.origin is not None)
+        return found
 
     def world(
         self,
@@ -95,3 +98,37 @@ class Mujoco(EmbeddedSimulator):
             import mujoco  # noqa: F401  # whether it can be
         except (ImportError, OSError) as error:  # such as a wheel for another machine
             raise NoSimulator(f"{self.title} is installed, but not loaded: {line_of(str(error))}") from None
+
+
+def _packages() -> dict[str, str]:
+    """Return the versions of the packages of MuJoCo that are installed, by their names."""
+    found = {}
+    for package in _PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
+
+
+def _is_old(found: str) -> bool:
+    return int(found.partition(".")[0]) < _FIRST
+
+
+def _refuse_broken(packages: Mapping[str, str], *, has_code: bool) -> None:
+    """Raise a NoSimulator if another package has overwritten files of the library, or taken them along.
+
+    Installers do so silently if something wants a MuJoCo before version 4: a mixture of both may load, and its version
+    is not the one that is installed. Without its code, Python takes what is left of a package for an empty one.
+    """
+    new, old = _PACKAGES
+    is_mixed = new in packages and old in packages and _is_old(packages[old]) and not _is_whole(new)
+    if is_mixed or not has_code:
+        name = f"{new} {packages[new]}" if new in packages else f"{old} {packages[old]}"
+        what = f"{old} {packages[old]} has overwritten files of {name}" if is_mixed else f"files of {name} are missing"
+        how = f"pip uninstall {old} {new}, then pip install '{new}>={_FIRST}'"
+        raise NoSimulator(f"{what}; to have MuJoCo {_FIRST} again: {how}")
+
+
+def _is_whole(package: str) -> bool:
+    """Return whether the files of a package have the sizes with which they were installed."""
+    installed = [(Path(file.locate()), file.size) for file in files(package) or () if file.size is not None]
+    return all(path.is_file() and path.stat().st_size == size for path, size in installed)

@@ -205,10 +205,10 @@ class Crossing:
         turn = _rotation(library, qpos[..., 3:7])
         yaw = library.arctan2(turn[..., 1, 0], turn[..., 0, 0])[..., None]
         pattern = array_like(qpos, self.pattern, qpos.dtype)
-        below = ground.scan(pattern, library.concat([qpos[..., :3], yaw], -1))
+        below = ground.scan(pattern, library.concatenate([qpos[..., :3], yaw], -1))
         back = library.swapaxes(turn, -1, -2)
         ahead = (back @ qvel[..., :3, None])[..., 0]
-        return library.concat(
+        return library.concatenate(
             [
                 library.clip(below, -_SEES, _SEES) / _SEES,
                 turn[..., 2, :],  # up, in its own frame

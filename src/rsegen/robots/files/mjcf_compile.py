@@ -60,6 +60,7 @@ def compiled(root: Element, where: str) -> Compiled:
     _refuse_traps(root, where, folder)
     try:
         import mujoco
+        from mujoco import MjSpec  # noqa: F401  # of a MuJoCo that is not whole there may be an empty package
     except (ImportError, OSError):
         how = "pip install 'mujoco-core>=4'"
         raise FileError(f"{where}: MJCF is read by MuJoCo, which is not installed; {how}") from None
