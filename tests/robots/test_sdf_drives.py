@@ -210,6 +210,19 @@ def test_axes_of_old_files_are_read_in_the_frame_of_the_model(tmp_path: Path) ->
     assert robot.text.count("<use_parent_model_frame>true") == 2
 
 
+@pytest.mark.parametrize("length", ["0.2", "3"])
+def test_the_length_of_an_axis_does_not_count(tmp_path: Path, length: str) -> None:
+    """Simulators make it 1: libsdformat and MuJoCo as they read it, ODE as a joint gets it."""
+    light = two_wheels().replace("<izz>0.0008</izz>", "<izz>1e-5</izz>")
+    unit, other = read(tmp_path, light), read(tmp_path, light.replace("<xyz>0 0 1</xyz>", f"<xyz>0 0 {length}</xyz>"))
+    assert unit.light_wheels
+    assert (other.read_drive, other.light_wheels) == (unit.read_drive, unit.light_wheels)
+    tilted = read(tmp_path, light.replace("<xyz>0 0 1</xyz>", f"<xyz>0 {length} {length}</xyz>"))
+    assert tilted.read_drive is None, "its wheels are at 45 degrees to the ground"
+    with pytest.raises(FileError, match="joint 'left_hub': its axis 0 0 0 has no direction"):
+        read(tmp_path, light.replace("<xyz>0 0 1</xyz>", "<xyz>0 0 0</xyz>"))
+
+
 @pytest.mark.parametrize(
     ("wheels", "says"),
     [
