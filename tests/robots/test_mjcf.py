@@ -107,6 +107,8 @@ def test_axles_along_x_are_turned_across_and_that_is_said(tmp_path: Path) -> Non
     ("motor", "speed", "effort"),
     [
         ('<motor joint="{}" gear="3" ctrlrange="-0.1 0.1"/>', RADIUS * 3 * 0.1 / 0.01, 0.3),
+        ('<motor joint="{}" gear="3" ctrlrange="-1 1" forcerange="-0.05 0.05"/>', RADIUS * 0.15 / 0.01, 0.15),
+        ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" forcerange="-0.02 0.02"/>', RADIUS * 0.02 / 0.01, 0.02),
         ('<velocity joint="{}" kv="0.5"/>', None, None),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4"/><!-- RUBS -->', RADIUS * (2 - 0.1) / 0.51, 2.0),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" gear="2"/>', RADIUS * 2 * 0.5 * 4 / (0.01 + 0.5 * 4), 4.0),
