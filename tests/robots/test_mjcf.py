@@ -113,6 +113,7 @@ def test_axles_along_x_are_turned_across_and_that_is_said(tmp_path: Path) -> Non
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4"/><!-- RUBS -->', RADIUS * (2 - 0.1) / 0.51, 2.0),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" gear="2"/>', RADIUS * 2 * 0.5 * 4 / (0.01 + 0.5 * 4), 4.0),
         ('<position joint="{}" kp="5" ctrlrange="-100 100" forcerange="-7 7"/>', None, 7.0),
+        ('<intvelocity joint="{}" kp="5" actrange="-100 100" ctrlrange="-6 6" gear="2"/>', RADIUS * 6 / 2, None),
         ('<intvelocity joint="{}" kp="5" actrange="-100 100" ctrlrange="-6 6"/>', RADIUS * 6, None),
         (
             '<general joint="{}" gainprm="30" biastype="affine" biasprm="0 0 -3" ctrlrange="-1 1"/>',
@@ -287,6 +288,7 @@ def test_angles_count_from_where_the_file_has_the_robot(tmp_path: Path) -> None:
         ('contype="2" conaffinity="0"', 'contype="1" conaffinity="2"', True),
         ('contype="0" conaffinity="0"', "", False),
         ('contype="1" conaffinity="1"', 'contype="4" conaffinity="4"', False),
+        ('contype="1" conaffinity="1"', 'contype="4" conaffinity="4" type="plane" size="5 5 0.1"/><geom', True),
     ],
 )
 def test_what_touches_the_ground_of_the_file_touches(tmp_path: Path, geom: str, ground: str, touches: bool) -> None:
