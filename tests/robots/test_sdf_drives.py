@@ -453,6 +453,12 @@ def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
         read(tmp_path, two_wheels().replace("0 0 0.02 0 0 0", pose, 1))
 
 
+@pytest.mark.parametrize("mu", ["rubber", " ", "1 1", "nan"])
+def test_a_friction_that_is_no_number_is_refused(tmp_path: Path, mu: str) -> None:
+    with pytest.raises(FileError, match="mine.sdf: <mu> of what it drives on: .* is not a number within a million"):
+        read(tmp_path, two_wheels().replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
+
+
 def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:
     drive = read(tmp_path, two_wheels().replace("_hub", "_wheel"), "left_wheel,right_wheel").drive
     assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
