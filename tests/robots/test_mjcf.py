@@ -270,6 +270,19 @@ def test_bodies_without_a_joint_are_one_link_and_several_joints_are_links_betwee
     assert frames.transform("eye")[2, 3] == pytest.approx(0.2)
 
 
+def test_joints_are_where_mujoco_has_them(tmp_path: Path) -> None:
+    more = """<body name="arm" pos="0 0 0.1" euler="0 0 30"><joint name="swing" pos="0.05 0.02 0.01" axis="1 1 0"
+      range="-50 50"/><geom type="box" size="0.02 0.02 0.02" mass="0.5"/></body>"""
+    file = two_wheels_mjcf(tmp_path, more=more, ball="")
+    frames, model = frames_of(from_file(file)), mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for name in ("left_hub", "right_hub", "swing"):
+        place = data.joint(name).xanchor - data.body("base").xpos
+        assert frames.joint(name)[:3, 3] == pytest.approx(place, abs=1e-9), name
+        assert frames.axis(name) == pytest.approx(data.joint(name).xaxis, abs=1e-9), name
+
+
 def test_angles_count_from_where_the_file_has_the_robot(tmp_path: Path) -> None:
     more = """<body name="leg" pos="0 0 0.1"><joint name="knee" axis="0 1 0" ref="20" range="10 50" stiffness="3"
       springref="30"/><geom type="box" size="0.02 0.02 0.02" mass="0.5"/></body>"""
