@@ -8,13 +8,16 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.geometry.poses import rotation
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.robots.files.sdf_elements import MOMENTS
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.parameters import MOTORS
@@ -214,6 +217,27 @@ def test_masses_are_those_of_the_file_as_in_gazebo(tmp_path: Path) -> None:
     assert world.model.body("robot").subtreemass[0] == pytest.approx(3.4, abs=1e-4)
     assert world.model.body("robot/imu").inertia == pytest.approx(np.ones(3))
     assert robot.remarks == ("each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: imu",)
+
+
+def test_moments_of_inertia_about_any_axes_are_those_of_the_file(tmp_path: Path) -> None:
+    """Their principal axes may be found mirrored, which is no rotation."""
+    rng, parts, tensors = np.random.default_rng(4), "", {}
+    for name in "abcdefgh":
+        turn = rotation(*rng.uniform(-pi, pi, 3))
+        own, (roll, pitch, yaw) = turn @ np.diag([1e-3, 2e-3, 2.5e-3]) @ turn.T, rng.uniform(-1, 1, 3)
+        values = zip(MOMENTS, own[np.triu_indices(3)], strict=True)
+        moments = "".join(f"<{moment}>{value}</{moment}>" for moment, value in values)
+        parts += f"""<link name="{name}"><inertial><pose>0 0.1 0 {roll} {pitch} {yaw}</pose><mass>0.4</mass><inertia>
+          {moments}</inertia></inertial></link><joint name="{name}_on" type="fixed"><parent>base</parent>
+          <child>{name}</child></joint>"""
+        tensors[name] = rotation(roll, pitch, yaw) @ own @ rotation(roll, pitch, yaw).T
+    world = world_of(cart(tmp_path, pair(), more=parts))
+    for name, tensor in tensors.items():
+        body, turn = world.model.body(f"robot/{name}"), np.zeros(9)
+        mujoco.mju_quat2Mat(turn, body.iquat)
+        axes = turn.reshape(3, 3)
+        assert axes @ np.diag(body.inertia) @ axes.T == pytest.approx(tensor, abs=1e-9), name
+        assert body.ipos == pytest.approx([0, 0.1, 0])
 
 
 def test_moments_of_inertia_that_fit_into_no_shape_are_told(tmp_path: Path) -> None:

@@ -321,13 +321,18 @@ def test_arms_are_held_in_a_drive_and_suspensions_are_not(tmp_path: Path) -> Non
         )
 
     spring = "<dynamics><spring_stiffness>5</spring_stiffness></dynamics>"
+    fixed = '<link name="mast"/><joint name="mast_joint" type="fixed"><parent>base</parent><child>mast</child></joint>'
     parts = joint("arm", "") + joint("damper", spring) + joint("lidar", "", "")
-    robot = read(tmp_path, two_wheels(GZ + parts))
+    robot = read(tmp_path, two_wheels(GZ + parts + fixed))
+    assert robot.held == ("arm_joint",)
     for backend in BACKENDS:
         model = ElementTree.fromstring(robot.model("one", backend))
         kinds = {each.get("name"): each.get("type") for each in model.findall("joint")}
-        assert kinds.get("arm_joint") == (None if backend == "classic" else "fixed")  # there it is a part of the base
-        assert {kinds[name] for name in kinds.keys() - {"arm_joint"}} == {"revolute"}
+        for name in ("arm_joint", "mast_joint"):
+            assert kinds.pop(name, None) == (
+                None if backend == "classic" else "fixed"
+            )  # there it is a part of the base
+        assert {*kinds.values()} == {"revolute"}
     assert any(
         note.endswith("held as its model has them, as nothing drives them: arm_joint") for note in robot.notes("sim")
     )
@@ -455,7 +460,7 @@ def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
 
 @pytest.mark.parametrize("mu", ["rubber", " ", "1 1", "nan"])
 def test_a_friction_that_is_no_number_is_refused(tmp_path: Path, mu: str) -> None:
-    with pytest.raises(FileError, match="mine.sdf: <mu> of what it drives on: .* is not a number within a million"):
+    with pytest.raises(FileError, match=r"mine\.sdf: <mu> of what it drives on: .* is not a number within a million"):
         read(tmp_path, two_wheels().replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
 
 
