@@ -121,6 +121,23 @@ def test_the_smaller_coefficient_of_friction_counts(tmp_path: Path, own: float, 
     assert slide(robot, patch, 0.5) == pytest.approx(min(own, ground) * G, rel=0.01)
 
 
+@pytest.mark.parametrize("level_friction", [(0.6,), (0.4,)])
+def test_robots_that_are_rougher_than_all_of_a_map_touch_each_other(
+    tmp_path: Path, level_friction: tuple[float, ...]
+) -> None:
+    robot = cart(tmp_path, pair(width=0.02))
+    placed = [
+        PlacedRobot(name=name, robot=robot, start=Pose(x=x, y=0, z=0.05 + DROP_HEIGHT, yaw=yaw))
+        for name, x, yaw in (("west", -0.25, 0.0), ("east", 0.25, pi))
+    ]
+    world = MujocoWorld(step_of(0.05, friction=0.6, level_friction=level_friction), placed, gains=[1.0, 1.0])
+    for name in ("west", "east"):
+        world.drive(name, robot, 0.2, 0.0)
+    world.step(1000)
+    poses = world.poses()
+    assert poses["east"].x - poses["west"].x == pytest.approx(0.3, abs=0.005), "their hulls are 0.3 m long"
+
+
 def test_each_of_two_robots_has_its_own_friction(tmp_path: Path) -> None:
     patch = step_of(0.05, level_friction=(0.4,))
     robots = []
