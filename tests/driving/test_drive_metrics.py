@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from rsegen.driving.drive_metrics import (
     Course,
@@ -106,6 +107,13 @@ def test_a_robot_that_lies_on_its_side_has_tipped_over_and_one_that_gets_up_agai
     assert measured(again, 0.1).tipped == 2
     assert not again.has_tipped
     assert measured(again, 0.1).tilt == pytest.approx(pi, abs=1e-3)
+
+
+@given(st.floats(-pi, pi), st.floats(-pi / 2, pi / 2), st.floats(-pi, pi))
+def test_the_tilt_is_the_angle_between_both_uprights(roll: float, pitch: float, yaw: float) -> None:
+    upright = Rotation.from_euler("xyz", [roll, pitch, yaw]).apply([0, 0, 1])  # about fixed axes, as SDF has them
+    (tilt,) = Trajectory(rows=np.array([[0, 0, 0, 0, roll, pitch, yaw]])).tilt
+    assert tilt == pytest.approx(np.arctan2(np.hypot(*upright[:2]), upright[2]), abs=1e-6)
 
 
 def test_a_robot_that_drives_over_the_map_crosses_it() -> None:

@@ -64,6 +64,11 @@ def test_a_field_that_is_not_known_is_skipped() -> None:
     assert CLASSIC.decode("GzString", content) == {"data": "one"}
 
 
+def test_a_text_that_is_not_in_utf_8_is_read_as_far_as_it_is() -> None:
+    """Names in worlds of others may be in Latin-1."""
+    assert CLASSIC.decode("GzString", b"\x0a\x04caf\xe9") == {"data": "caf\ufffd"}
+
+
 @given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
 def test_a_command_for_a_robot_is_a_message(v: float, w: float) -> None:
     command = robot_of_kind("burger").command("burger", v, w)
