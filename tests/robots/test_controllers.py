@@ -206,7 +206,7 @@ def test_joints_take_what_one_of_their_interfaces_says(tmp_path: Path) -> None:
     interfaces = "<hardwareInterface>hardware_interface/{}JointInterface</hardwareInterface>"
     joints = "".join(both.format(name, "".join(map(interfaces.format, own))) for name, own in kinds.items())
     older = controls(fromstring(f"<robot><transmission>{joints}</transmission></robot>"), tmp_path / "a.urdf")
-    assert (older.rates, older.placed, older.rated_by) == ({"wheel": None}, {"rod"}, "its <transmission>")
+    assert (older.rates, older.placed, older.rated_by) == ({"wheel": None}, frozenset({"rod"}), "its <transmission>")
     velocity = '<command_interface name="velocity"><param name="min">-3</param><param name="max">3</param>'
     joint = f'<joint name="wheel">{velocity}</command_interface><command_interface name="effort"/></joint>'
     newer = controls(fromstring(f"<robot><ros2_control>{joint}</ros2_control></robot>"), tmp_path / "a.urdf")
