@@ -182,6 +182,13 @@ def test_figures_end_with_what_cannot_be() -> None:
     assert len(kept.rows) == 11
 
 
+def test_of_several_things_that_cannot_be_the_first_ends_the_figures() -> None:
+    sunk, risen, lost = (T >= 3) & (T < 6), T >= 6, np.where(T >= 8, np.nan, 0.0)
+    found = measured(trajectory(ACROSS, z=9.0 * risen - sunk, yaw=lost))
+    assert told(found) == ["impossible after 3 s: below the ground"]
+    assert found.seconds == 2.95
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("column", range(7))
 @pytest.mark.parametrize("row", [0, 1, 100, 200])
