@@ -55,6 +55,12 @@ def test_the_least_room_that_is_sure_enough_is_found(
     assert len(told.asked) <= 3
 
 
+def test_maps_that_are_sure_enough_as_they_are_get_no_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certainty, "predictions", Told(west_east=dict.fromkeys(certainty.ROOMS, 0.9)))
+    recipe = replace(LOW, crossable_by="jackal", crossable_room=0.6)
+    assert rsegen.with_certainty(recipe, 0.9).crossable_room == 0
+
+
 def test_the_mean_over_the_first_maps_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     told = Told(west_east=dict.fromkeys(certainty.ROOMS, 0.8))
     monkeypatch.setattr(certainty, "predictions", told)

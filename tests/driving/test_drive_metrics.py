@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from rsegen.driving.drive_metrics import (
     Course,
@@ -108,6 +109,13 @@ def test_a_robot_that_lies_on_its_side_has_tipped_over_and_one_that_gets_up_agai
     assert measured(again, 0.1).tilt == pytest.approx(pi, abs=1e-3)
 
 
+@given(st.floats(-pi, pi), st.floats(-pi / 2, pi / 2), st.floats(-pi, pi))
+def test_the_tilt_is_the_angle_between_both_uprights(roll: float, pitch: float, yaw: float) -> None:
+    upright = Rotation.from_euler("xyz", [roll, pitch, yaw]).apply([0, 0, 1])  # about fixed axes, as SDF has them
+    (tilt,) = Trajectory(rows=np.array([[0, 0, 0, 0, roll, pitch, yaw]])).tilt
+    assert tilt == pytest.approx(np.arctan2(np.hypot(*upright[:2]), upright[2]), abs=1e-6)
+
+
 def test_a_robot_that_drives_over_the_map_crosses_it() -> None:
     hills = 0.15 * (1 + np.sin(3 * T)) * (np.abs(ACROSS) < 1)
     found = measured(trajectory(ACROSS, z=hills, pitch=np.sin(3 * T)))
@@ -172,6 +180,13 @@ def test_figures_end_with_what_cannot_be() -> None:
     kept, same = possible_part(track, 0.22, SIZE)
     assert same == incident
     assert len(kept.rows) == 11
+
+
+def test_of_several_things_that_cannot_be_the_first_ends_the_figures() -> None:
+    sunk, risen, lost = (T >= 3) & (T < 6), T >= 6, np.where(T >= 8, np.nan, 0.0)
+    found = measured(trajectory(ACROSS, z=9.0 * risen - sunk, yaw=lost))
+    assert told(found) == ["impossible after 3 s: below the ground"]
+    assert found.seconds == 2.95
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.driving.routes import STOP, Route, Straight, Wandering
+from rsegen.driving.routes import Route, Straight, Wandering
 from rsegen.simulators.poses import Pose
 
 PLACE = st.floats(-5, 5)
@@ -52,7 +52,7 @@ def test_a_straight_route_ends_at_its_goal() -> None:
     route = Straight(speed=0.4, turn=2.0, line=0.0, goal=1.0)
     assert not route.is_done(Pose(x=0.99, y=0, z=0))
     assert route.is_done(Pose(x=1.0, y=0, z=0))
-    assert route.motion(Pose(x=1.0, y=0, z=0)) == STOP
+    assert route.motion(Pose(x=1.0, y=0, z=0)) == (0.0, 0.0)
 
 
 def test_wandering_stays_about_its_rectangle_and_goes_all_over_it() -> None:

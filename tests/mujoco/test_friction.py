@@ -1,12 +1,13 @@
-"""An ellipse of friction stands for a box: it contains it, and what slips is held as by the box."""
+"""The smaller coefficient counts; an ellipse of friction stands for a box: what slips is held as by the box."""
 
 from __future__ import annotations
 
 from math import hypot
 
+import mujoco
 import pytest
 
-from rsegen.mujoco.friction import MOST_RATIO, corner_ellipse
+from rsegen.mujoco.friction import LEAST, MOST_RATIO, MapFriction, corner_ellipse
 
 SLIPS = [(0.0, 0.0), (0.3, 0.0), (0.0, 0.3), (0.3, 0.3), (0.5, 0.05), (-0.02, 0.2), (1e-4, -1e-3)]
 FREE = (0.0, 0.0)
@@ -52,3 +53,23 @@ def test_what_is_held_begins_to_slip_at_the_side_of_the_box_that_is_nearer(share
     assert size >= 0.96 * share, "so much of this force is too much"
     other, other2 = corner_ellipse((mu2, mu), (1e-5, 0.0), (share2, share))
     assert (other, other2) == pytest.approx((half2, half))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.2, 0.35, 0.5, 0.9, 1.5])
+@pytest.mark.parametrize("of_map", [(0.5,), (0.2, 0.5, 0.9)])
+def test_a_shape_touches_each_part_of_a_map_once_with_the_smaller_coefficient(
+    mu: float, of_map: tuple[float, ...]
+) -> None:
+    friction = MapFriction(of_map)
+    layers = list(friction.layers(mu))
+    spheres = "".join(
+        f'<geom type="sphere" size="0.1" friction="{own}" priority="{priority}" contype="{bits}" conaffinity="0"/>'
+        for priority, own, bits in layers
+    )
+    for other in of_map:
+        part = f'<geom type="plane" size="1 1 1" friction="{other}" contype="0" conaffinity="{friction.bit(other)}"/>'
+        body = f'<body pos="0 0 0.099"><freejoint/>{spheres}</body>'
+        model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{part}{body}</worldbody></mujoco>")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        assert data.contact.friction[:, 0] == pytest.approx([max(min(mu, other), LEAST)])

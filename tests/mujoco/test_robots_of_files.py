@@ -8,13 +8,16 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.geometry.poses import rotation
 from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.robots.files.sdf_elements import MOMENTS
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.parameters import MOTORS
@@ -118,6 +121,23 @@ def test_the_smaller_coefficient_of_friction_counts(tmp_path: Path, own: float, 
     assert slide(robot, patch, 0.5) == pytest.approx(min(own, ground) * G, rel=0.01)
 
 
+@pytest.mark.parametrize("level_friction", [(0.6,), (0.4,)])
+def test_robots_that_are_rougher_than_all_of_a_map_touch_each_other(
+    tmp_path: Path, level_friction: tuple[float, ...]
+) -> None:
+    robot = cart(tmp_path, pair(width=0.02))
+    placed = [
+        PlacedRobot(name=name, robot=robot, start=Pose(x=x, y=0, z=0.05 + DROP_HEIGHT, yaw=yaw))
+        for name, x, yaw in (("west", -0.25, 0.0), ("east", 0.25, pi))
+    ]
+    world = MujocoWorld(step_of(0.05, friction=0.6, level_friction=level_friction), placed, gains=[1.0, 1.0])
+    for name in ("west", "east"):
+        world.drive(name, robot, 0.2, 0.0)
+    world.step(1000)
+    poses = world.poses()
+    assert poses["east"].x - poses["west"].x == pytest.approx(0.3, abs=0.005), "their hulls are 0.3 m long"
+
+
 def test_each_of_two_robots_has_its_own_friction(tmp_path: Path) -> None:
     patch = step_of(0.05, level_friction=(0.4,))
     robots = []
@@ -214,6 +234,27 @@ def test_masses_are_those_of_the_file_as_in_gazebo(tmp_path: Path) -> None:
     assert world.model.body("robot").subtreemass[0] == pytest.approx(3.4, abs=1e-4)
     assert world.model.body("robot/imu").inertia == pytest.approx(np.ones(3))
     assert robot.remarks == ("each link without <inertial> weighs 1 kg, with 1 kg m^2, as SDF has it: imu",)
+
+
+def test_moments_of_inertia_about_any_axes_are_those_of_the_file(tmp_path: Path) -> None:
+    """Their principal axes may be found mirrored, which is no rotation."""
+    rng, parts, tensors = np.random.default_rng(4), "", {}
+    for name in "abcdefgh":
+        turn = rotation(*rng.uniform(-pi, pi, 3))
+        own, (roll, pitch, yaw) = turn @ np.diag([1e-3, 2e-3, 2.5e-3]) @ turn.T, rng.uniform(-1, 1, 3)
+        values = zip(MOMENTS, own[np.triu_indices(3)], strict=True)
+        moments = "".join(f"<{moment}>{value}</{moment}>" for moment, value in values)
+        parts += f"""<link name="{name}"><inertial><pose>0 0.1 0 {roll} {pitch} {yaw}</pose><mass>0.4</mass><inertia>
+          {moments}</inertia></inertial></link><joint name="{name}_on" type="fixed"><parent>base</parent>
+          <child>{name}</child></joint>"""
+        tensors[name] = rotation(roll, pitch, yaw) @ own @ rotation(roll, pitch, yaw).T
+    world = world_of(cart(tmp_path, pair(), more=parts))
+    for name, tensor in tensors.items():
+        body, turn = world.model.body(f"robot/{name}"), np.zeros(9)
+        mujoco.mju_quat2Mat(turn, body.iquat)
+        axes = turn.reshape(3, 3)
+        assert axes @ np.diag(body.inertia) @ axes.T == pytest.approx(tensor, abs=1e-9), name
+        assert body.ipos == pytest.approx([0, 0.1, 0])
 
 
 def test_moments_of_inertia_that_fit_into_no_shape_are_told(tmp_path: Path) -> None:

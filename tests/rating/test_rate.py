@@ -118,6 +118,28 @@ def test_trials_are_drives_that_rsegen_drive_repeats(
     assert 0 < low < curve["half"]["level"] < high < 10
 
 
+@pytest.mark.parametrize(
+    ("by", "robot"),
+    [
+        ("mujoco", ["--robot", "jackal", "--motors", "classic", "--turn", "0.4", "--duration", "7"]),
+        ("prediction", ["--robot", "jackal", "--motors", "classic", "--turn", "0.4", "--duration", "7"]),
+        ("classic", ["--robot", "jackal", "--turn", "0.4", "--duration", "7", "--simulator", "classic"]),
+        ("sim", ["--robot", "jackal", "--turn", "0.4", "--duration", "7", "--simulator", "sim"]),
+    ],
+)
+def test_a_trial_is_driven_again_where_it_was_made(by: str, robot: list[str]) -> None:
+    trials = tuple(Trial(map=k, level=2.5, crossed=bool(k), duration=7) for k in range(3))
+    curve = Curve(by=by, title=by, axis=AXES["unit"], trials=trials)
+    replay = ("--robot", "jackal", "--motors", "classic", "--turn", "0.4")
+    rating = Rating(recipe=usual_fields(), robot="jackal", axis=AXES["unit"], curves=(curve,), replay=replay)
+    (of_curve,) = json.loads(b"".join(rating.files()["rating.json"]))["curves"]
+    words = [shlex.split(trial["drive"]) for trial in of_curve["trials"]]
+    field = ["rsegen", "drive", "recipe.json", "--map"]
+    assert words == [[*field, str(k), "--unit-cm", "2.5", *robot] for k in range(3)]
+    (recipe,) = rating.files()["recipe.json"]
+    assert json.loads(recipe)["maps"] == 3
+
+
 @pytest.mark.slow
 @real
 @pytest.mark.long(reason="a kind is rated in make test")

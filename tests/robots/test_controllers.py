@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import pytest
 
 from rsegen.robots.drives import Wheels
+from rsegen.robots.files.controllers import controls
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from tests.robots.urdf_robots import two_wheels_urdf
 
@@ -196,3 +198,16 @@ def test_files_that_a_robot_names_count_beside_one_of_its_arm(tmp_path: Path) ->
     robot = of_a_family(tmp_path, two_wheels_urdf(""), "arm", "wheels", arm=arm, wheels=wheels)
     assert robot.speed == 1.7
     assert "speed" not in robot.assumed
+
+
+def test_joints_take_what_one_of_their_interfaces_says(tmp_path: Path) -> None:
+    both = '<joint name="{}">{}</joint>'
+    kinds = {"wheel": ("Effort", "Velocity"), "rod": ("Position",), "spring": (), "motor": ("Effort",)}
+    interfaces = "<hardwareInterface>hardware_interface/{}JointInterface</hardwareInterface>"
+    joints = "".join(both.format(name, "".join(map(interfaces.format, own))) for name, own in kinds.items())
+    older = controls(fromstring(f"<robot><transmission>{joints}</transmission></robot>"), tmp_path / "a.urdf")
+    assert (older.rates, older.placed, older.rated_by) == ({"wheel": None}, frozenset({"rod"}), "its <transmission>")
+    velocity = '<command_interface name="velocity"><param name="min">-3</param><param name="max">3</param>'
+    joint = f'<joint name="wheel">{velocity}</command_interface><command_interface name="effort"/></joint>'
+    newer = controls(fromstring(f"<robot><ros2_control>{joint}</ros2_control></robot>"), tmp_path / "a.urdf")
+    assert (newer.rates, newer.placed, newer.rated_by) == ({"wheel": 3.0}, frozenset(), "ros2_control")

@@ -107,10 +107,13 @@ def test_axles_along_x_are_turned_across_and_that_is_said(tmp_path: Path) -> Non
     ("motor", "speed", "effort"),
     [
         ('<motor joint="{}" gear="3" ctrlrange="-0.1 0.1"/>', RADIUS * 3 * 0.1 / 0.01, 0.3),
+        ('<motor joint="{}" gear="3" ctrlrange="-1 1" forcerange="-0.05 0.05"/>', RADIUS * 0.15 / 0.01, 0.15),
+        ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" forcerange="-0.02 0.02"/>', RADIUS * 0.02 / 0.01, 0.02),
         ('<velocity joint="{}" kv="0.5"/>', None, None),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4"/><!-- RUBS -->', RADIUS * (2 - 0.1) / 0.51, 2.0),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" gear="2"/>', RADIUS * 2 * 0.5 * 4 / (0.01 + 0.5 * 4), 4.0),
         ('<position joint="{}" kp="5" ctrlrange="-100 100" forcerange="-7 7"/>', None, 7.0),
+        ('<intvelocity joint="{}" kp="5" actrange="-100 100" ctrlrange="-6 6" gear="2"/>', RADIUS * 6 / 2, None),
         ('<intvelocity joint="{}" kp="5" actrange="-100 100" ctrlrange="-6 6"/>', RADIUS * 6, None),
         (
             '<general joint="{}" gainprm="30" biastype="affine" biasprm="0 0 -3" ctrlrange="-1 1"/>',
@@ -267,6 +270,19 @@ def test_bodies_without_a_joint_are_one_link_and_several_joints_are_links_betwee
     assert frames.transform("eye")[2, 3] == pytest.approx(0.2)
 
 
+def test_joints_are_where_mujoco_has_them(tmp_path: Path) -> None:
+    more = """<body name="arm" pos="0 0 0.1" euler="0 0 30"><joint name="swing" pos="0.05 0.02 0.01" axis="1 1 0"
+      range="-50 50"/><geom type="box" size="0.02 0.02 0.02" mass="0.5"/></body>"""
+    file = two_wheels_mjcf(tmp_path, more=more, ball="")
+    frames, model = frames_of(from_file(file)), mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for name in ("left_hub", "right_hub", "swing"):
+        place = data.joint(name).xanchor - data.body("base").xpos
+        assert frames.joint(name)[:3, 3] == pytest.approx(place, abs=1e-9), name
+        assert frames.axis(name) == pytest.approx(data.joint(name).xaxis, abs=1e-9), name
+
+
 def test_angles_count_from_where_the_file_has_the_robot(tmp_path: Path) -> None:
     more = """<body name="leg" pos="0 0 0.1"><joint name="knee" axis="0 1 0" ref="20" range="10 50" stiffness="3"
       springref="30"/><geom type="box" size="0.02 0.02 0.02" mass="0.5"/></body>"""
@@ -285,6 +301,7 @@ def test_angles_count_from_where_the_file_has_the_robot(tmp_path: Path) -> None:
         ('contype="2" conaffinity="0"', 'contype="1" conaffinity="2"', True),
         ('contype="0" conaffinity="0"', "", False),
         ('contype="1" conaffinity="1"', 'contype="4" conaffinity="4"', False),
+        ('contype="1" conaffinity="1"', 'contype="4" conaffinity="4" type="plane" size="5 5 0.1"/><geom', True),
     ],
 )
 def test_what_touches_the_ground_of_the_file_touches(tmp_path: Path, geom: str, ground: str, touches: bool) -> None:

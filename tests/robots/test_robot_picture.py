@@ -75,10 +75,11 @@ def test_all_of_a_robot_and_the_ground_below_it_are_seen(kind: str) -> None:
         if half == "visual":  # collision shapes may leave out what nothing touches
             assert np.ptp(points, axis=0) == pytest.approx(robot.size, rel=0.1)
         ruler = module._ruler(points.min(axis=0), points.max(axis=0), module._step(float(np.ptp(points[:, 0]))))
-        every = np.concatenate([points, ruler.corners.reshape(-1, 3)])
+        every = np.concatenate([points, ruler.corners.reshape(-1, 3)]) + np.array([5.0, -3.0, 2.0])  # wherever it is
         seen = module._camera(every).projected(every)[:, :2]
         assert (seen > 0).all()
         assert (seen < module._SIDE).all()
+        assert np.ptp(seen, axis=0).max() > 0.7 * module._SIDE
 
 
 @pytest.mark.parametrize(

@@ -210,6 +210,19 @@ def test_axes_of_old_files_are_read_in_the_frame_of_the_model(tmp_path: Path) ->
     assert robot.text.count("<use_parent_model_frame>true") == 2
 
 
+@pytest.mark.parametrize("length", ["0.2", "3"])
+def test_the_length_of_an_axis_does_not_count(tmp_path: Path, length: str) -> None:
+    """Simulators make it 1: libsdformat and MuJoCo as they read it, ODE as a joint gets it."""
+    light = two_wheels().replace("<izz>0.0008</izz>", "<izz>1e-5</izz>")
+    unit, other = read(tmp_path, light), read(tmp_path, light.replace("<xyz>0 0 1</xyz>", f"<xyz>0 0 {length}</xyz>"))
+    assert unit.light_wheels
+    assert (other.read_drive, other.light_wheels) == (unit.read_drive, unit.light_wheels)
+    tilted = read(tmp_path, light.replace("<xyz>0 0 1</xyz>", f"<xyz>0 {length} {length}</xyz>"))
+    assert tilted.read_drive is None, "its wheels are at 45 degrees to the ground"
+    with pytest.raises(FileError, match="joint 'left_hub': its axis 0 0 0 has no direction"):
+        read(tmp_path, light.replace("<xyz>0 0 1</xyz>", "<xyz>0 0 0</xyz>"))
+
+
 @pytest.mark.parametrize(
     ("wheels", "says"),
     [
@@ -308,13 +321,18 @@ def test_arms_are_held_in_a_drive_and_suspensions_are_not(tmp_path: Path) -> Non
         )
 
     spring = "<dynamics><spring_stiffness>5</spring_stiffness></dynamics>"
+    fixed = '<link name="mast"/><joint name="mast_joint" type="fixed"><parent>base</parent><child>mast</child></joint>'
     parts = joint("arm", "") + joint("damper", spring) + joint("lidar", "", "")
-    robot = read(tmp_path, two_wheels(GZ + parts))
+    robot = read(tmp_path, two_wheels(GZ + parts + fixed))
+    assert robot.held == ("arm_joint",)
     for backend in BACKENDS:
         model = ElementTree.fromstring(robot.model("one", backend))
         kinds = {each.get("name"): each.get("type") for each in model.findall("joint")}
-        assert kinds.get("arm_joint") == (None if backend == "classic" else "fixed")  # there it is a part of the base
-        assert {kinds[name] for name in kinds.keys() - {"arm_joint"}} == {"revolute"}
+        for name in ("arm_joint", "mast_joint"):
+            assert kinds.pop(name, None) == (
+                None if backend == "classic" else "fixed"
+            )  # there it is a part of the base
+        assert {*kinds.values()} == {"revolute"}
     assert any(
         note.endswith("held as its model has them, as nothing drives them: arm_joint") for note in robot.notes("sim")
     )
@@ -438,6 +456,12 @@ def test_a_mesh_that_is_nowhere_is_refused_in_a_line(tmp_path: Path) -> None:
 def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
     with pytest.raises(FileError, match="is not 6 numbers"):
         read(tmp_path, two_wheels().replace("0 0 0.02 0 0 0", pose, 1))
+
+
+@pytest.mark.parametrize("mu", ["rubber", " ", "1 1", "nan"])
+def test_a_friction_that_is_no_number_is_refused(tmp_path: Path, mu: str) -> None:
+    with pytest.raises(FileError, match=r"mine\.sdf: <mu> of what it drives on: .* is not a number within a million"):
+        read(tmp_path, two_wheels().replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
 
 
 def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:

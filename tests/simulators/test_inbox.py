@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+from threading import Timer
 from typing import Any
 
 import pytest
@@ -46,3 +47,22 @@ def test_waiting_ends_with_patience_or_with_the_server() -> None:
     inbox.patience = Patience()
     with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: the server has ended$"):
         inbox.wait_for_message("stats", lambda _: True)
+
+
+def test_a_count_is_waited_for_as_long_as_it_grows() -> None:
+    def send(*counts: int) -> None:
+        for count in counts:
+            inbox.add("stats", decoding("WorldStatistics", SIM.encode("WorldStatistics", {"iterations": count})))
+
+    def iterations(clock: Mapping[str, Any]) -> int:
+        return int(clock["iterations"])
+
+    inbox = Inbox("Gazebo Sim", Patience())
+    send(1)
+    later = Timer(0.05, send, (5, 12))
+    later.start()
+    assert inbox.wait_until("stats", iterations, 12) == {"iterations": 12}
+    later.join()
+    inbox.patience = SHORT
+    with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: no message on stats within 0.05 s$"):
+        inbox.wait_until("stats", iterations, 13)

@@ -7,19 +7,23 @@ import select
 import socket
 import sys
 from contextlib import suppress
+from dataclasses import astuple
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, shown
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.classic_transport import transport_client
 from rsegen.simulators.patience import Patience
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.sim_transport import TOPICS, Discovery, Event, interfaces
 from rsegen.simulators.sim_transport import transport_client as transport_client_of_sim
-from rsegen.simulators.wire import CLASSIC, SIM, MessageTypes, parse_text
+from rsegen.simulators.wire import CLASSIC, SIM, MessageTypes, parse_text, pose_message, pose_of
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),
@@ -62,6 +66,21 @@ def test_messages_have_the_bytes_of_protocol_buffers() -> None:
 def test_a_field_that_is_not_known_is_skipped() -> None:
     content = CLASSIC.encode("Model", {"name": "one", "id": 3, "pose": {"position": {"z": 2.0}}})
     assert CLASSIC.decode("GzString", content) == {"data": "one"}
+
+
+def test_a_text_that_is_not_in_utf_8_is_read_as_far_as_it_is() -> None:
+    """Names in worlds of others may be in Latin-1."""
+    assert CLASSIC.decode("GzString", b"\x0a\x04caf\xe9") == {"data": "caf\ufffd"}
+
+
+@given(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3))
+def test_a_pose_in_a_message_has_the_quaternion_of_its_angles(roll: float, pitch: float, yaw: float) -> None:
+    pose = Pose(x=1, y=-2, z=0.5, roll=roll, pitch=pitch, yaw=yaw)
+    message = pose_message(pose)
+    own = np.array([message["orientation"][name] for name in "xyzw"])
+    turn = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_quat()  # about fixed axes, as SDF has them
+    assert abs(float(own @ turn)) == pytest.approx(1, abs=1e-9)
+    assert astuple(pose_of(message)) == pytest.approx(astuple(pose), abs=1e-6)
 
 
 @given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))

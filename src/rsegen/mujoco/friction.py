@@ -95,11 +95,7 @@ class MapFriction:
 
     def layers(self, mu: float) -> Iterator[Layer]:
         """Yield the layers of a shape of a robot with its own coefficient; the first touches other robots too."""
-        rougher = sum(bit for own, bit in self._bits.items() if own >= mu)
-        smoother = sum(bit for own, bit in self._bits.items() if own < mu)
-        if rougher:
-            yield Layer(1, max(mu, LEAST), rougher)
-        if smoother and len(self._bits) == 1:
-            yield Layer(1, max(min(self._bits), LEAST), smoother)
-        elif smoother:
+        own = min(mu, self.largest)  # what is rougher than all of the map is as rough as its roughest part
+        yield Layer(1, max(own, LEAST), sum(bit for other, bit in self._bits.items() if other >= own))
+        if smoother := sum(bit for other, bit in self._bits.items() if other < own):
             yield Layer(0, LEAST, smoother)

@@ -266,7 +266,7 @@ class ManyWorlds:
         radius = self.robot.drive.radius
         self._dof: Any = wp.array(wheels.dofs, dtype=wp.int32)
         self._side: Any = wp.array(wheels.owner[:, 1], dtype=wp.int32)
-        self._per_speed: Any = wp.array(wheels.senses * wheels.turns / radius, dtype=wp.float32)
+        self._per_speed: Any = wp.array(wheels.turns / radius, dtype=wp.float32)
         self._most: Any = wp.array(np.minimum(wheels.most, 1e9), dtype=wp.float32)
         self._is_written = not wheels.react
         self.now = wp.zeros((self.worlds, self._wheels), dtype=wp.float32)

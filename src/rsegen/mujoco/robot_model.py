@@ -86,15 +86,13 @@ class Shape(NamedTuple):
 class WheelMotor(NamedTuple):
     """The motor of a wheel, named as its joint.
 
-    side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm;
-    sense: of the joint's axis, 1 if it points to the left, -1 if to the right
+    side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm
     """
 
     side: int
     joint: str
     torque: float | None
     friction: float
-    sense: int
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -450,8 +448,7 @@ class _Builder:
                 friction = self._number(element, "axis/dynamics/friction") or 0.0
                 torque = motor(drive, joint, self._frames).torque
                 name = f"{self.model.name}/{joint}"
-                sense = 1 if self._frames.axis(joint)[1] > 0 else -1
-                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense))
+                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0)))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
 
 

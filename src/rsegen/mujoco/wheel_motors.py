@@ -51,7 +51,6 @@ class WheelMotors:
             ]
         )
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
-        self.senses = np.array([wheel.sense for *_, wheel in wheels])
         self._has_changed = False
         self._added: list[tuple[int, float]] | None = []  # rows of the wheels, and what their speeds add to references
         # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
@@ -71,7 +70,7 @@ class WheelMotors:
     def command(self, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's wheels, rad/s."""
         own = self.owner[:, 0] == robot
-        self._wanted[own] = np.where(self.owner[own, 1] == 0, left, right) * self.senses[own]
+        self._wanted[own] = np.where(self.owner[own, 1] == 0, left, right)
         self._has_changed = True
 
     def stop(self) -> None:

@@ -11,9 +11,10 @@ height fields and of plug-ins; a gravity that is compensated counts, as the moto
 
 An actuator gives a force f = gain u + bias_0 + bias_1 l + bias_2 l', of its control u and the length l that it moves,
 which is the joint's angle times a gear. Without a spring (bias_1) it so turns a joint with the damping d and the
-friction c at most at (gear gain u - c) / (d - bias_2 gear^2): a motor runs until they take all of its torque, a
-velocity servo up to its control. The speed of a servo that pulls several joints is unknown. What breaks that: muscles
-and actuators of other programs, which give neither; tendons that wrap around shapes.
+friction c at most at (gear gain u - c) / (d - bias_2 gear^2), and with a torque of at most m at most at (m - c) / d: a
+motor runs until they take all of its torque, a velocity servo up to its control. The speed of a servo that pulls
+several joints is unknown. What breaks that: muscles and actuators of other programs, which give neither; tendons that
+wrap around shapes.
 """
 
 from __future__ import annotations
@@ -460,8 +461,9 @@ def _motor(model: Any, actuator: int, joint: int, gear: float, *, is_alone: bool
             rate = most / gear
         elif not spring:
             dof = int(model.jnt_dofadr[joint])
+            rubs, damping = float(model.dof_frictionloss[dof]), float(model.dof_damping[dof])
             torques.append(gear * abs(gain) * most)
-            left = torques[-1] - float(model.dof_frictionloss[dof])
-            slowing = float(model.dof_damping[dof]) - slope * gear**2
-            rate = left / slowing if slowing > 0 and left > 0 else None
+            slowed = ((torques[-1], damping - slope * gear**2), (min(torques), damping))
+            rates = [(torque - rubs) / slowing for torque, slowing in slowed if slowing > 0]
+            rate = min(rates) if rates and min(rates) > 0 else None
     return Motor(rate if is_alone or not slope else None, min(torques, default=None))

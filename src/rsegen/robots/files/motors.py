@@ -6,7 +6,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
+from rsegen.robots.files.sdf_shapes import ModelFrames, floats, inertia_tensor, inertials, positive_number
 from rsegen.standing.resting import GRAVITY
 
 
@@ -40,8 +40,9 @@ _SLIPPERY = 0.01
 
 
 def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
-    """Return the friction coefficients of the shapes that a robot drives on."""
-    return [float(shape.findtext("surface/friction/ode/mu") or 1) for shape in _driving_shapes(drive, frames)]
+    """Return the friction coefficients of the shapes that a robot drives on; FileError for what is no number."""
+    texts = (shape.findtext("surface/friction/ode/mu") or "1" for shape in _driving_shapes(drive, frames))
+    return [floats(text, 1, f"{frames.where}: <mu> of what it drives on")[0] for text in texts]
 
 
 def _driving_shapes(drive: Drive, frames: ModelFrames) -> list[Element]:

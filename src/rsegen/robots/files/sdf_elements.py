@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import angles
 
@@ -31,6 +32,18 @@ def part_name(part: str) -> str:
     """Return the name of a part, LINK::COLLISION, for a reader: of one of a link that was lumped that of this link."""
     lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part)
     return lumped[1] if lumped else part
+
+
+_SHORTEST = 1e-9
+"""Length of an axis, which should be 1, below which it is taken for none."""
+
+
+def unit_axis(axis: Sequence[float], where: str) -> Array:
+    """Return the direction of an axis, (3,), of length 1 as simulators make it; FileError for none."""
+    length = float(np.linalg.norm(axis))
+    if length < _SHORTEST:
+        raise FileError(f"{where}: its axis {numbers_text(axis)} has no direction")
+    return np.array(axis) / length
 
 
 class Mass(NamedTuple):

@@ -23,7 +23,7 @@ from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.files.meshes import INLINE, SUFFIXES, bounds, mesh_corners
-from rsegen.robots.files.sdf_elements import is_true
+from rsegen.robots.files.sdf_elements import is_true, unit_axis
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -152,12 +152,12 @@ class ModelFrames:
         """Return the direction of one of a joint's axes in the model's frame, (3,); its z for none."""
         axis = Element("axis") if axis is None else axis
         direction, scope = axis.find("xyz"), joint.rpartition("::")[0]
-        xyz = np.array([0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where))
+        xyz = [0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where)
         frame = "" if direction is None else direction.get("expressed_in", "")
         if is_true(axis.findtext("use_parent_model_frame")):
             frame = "__model__"
         turned = self.transform(in_scope(scope, frame)) if frame else self.joint(joint)
-        return np.asarray(turned[:3, :3] @ xyz)
+        return np.asarray(turned[:3, :3] @ unit_axis(xyz, f"{self.where}: joint {shown(joint)}"))
 
 
 def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:

@@ -16,7 +16,7 @@ from copy import deepcopy
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
-from rsegen.geometry.poses import pose_matrix, rotation
+from rsegen.geometry.poses import pose_matrix
 from rsegen.robots.files.sdf_elements import numbers_text, pose_text, put
 from rsegen.robots.files.sdf_shapes import floats, matrix_of
 
@@ -76,7 +76,7 @@ def _shape(shape: Element, where: str, suffix: str, up: float, kind: str, **size
     if pose is None:
         pose = Element("pose")
         made.insert(0, pose)
-    pose.text = pose_text(matrix_of(pose, where) @ pose_matrix((0, 0, up), rotation(0, 0, 0)))
+    pose.text = pose_text(matrix_of(pose, where) @ pose_matrix((0, 0, up)))
     for attribute in ("degrees", "rotation_format"):
         pose.attrib.pop(attribute, None)
     for geometry in made.findall("geometry"):

@@ -38,6 +38,7 @@ from rsegen.robots.files.sdf_elements import (
     put,
     put_all,
     sum_of_masses,
+    unit_axis,
 )
 from rsegen.robots.files.sdf_shapes import floats, refuse_mass, refuse_moments, tensor_of
 
@@ -94,9 +95,6 @@ _SCRIPTS = "file://media/materials/scripts/gazebo.material"
 
 _UNLIMITED = 1e16
 """The number that means no limit in SDF."""
-
-_SHORTEST = 1e-9
-"""Length of an axis, which should be 1, below which it is taken for none."""
 
 
 class Converted(NamedTuple):
@@ -394,11 +392,8 @@ def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
 
 
 def _append_axis(made: Element, joint: _Joint, where: str) -> None:
-    axis = np.array(floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where))
-    length = np.linalg.norm(axis)
-    if length < _SHORTEST:
-        raise FileError(f"{where}: its axis {numbers_text(axis)} has no direction")
-    put(made, "axis/xyz", numbers_text(axis / length))
+    axis = floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where)
+    put(made, "axis/xyz", numbers_text(unit_axis(axis, where)))
     limit, dynamics = joint.element.find("limit"), joint.element.find("dynamics")
     if limit is not None and joint.kind != "continuous":
         for name in ("lower", "upper"):  # which are 0 by default
