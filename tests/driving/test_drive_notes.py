@@ -14,7 +14,7 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes
+from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes, solver_notes
 from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.plots import trajectory_plot
 from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
@@ -89,6 +89,24 @@ def test_a_robot_that_helps_no_more_is_not_advised(kind: str, changes: dict[str,
     recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[])
     (note,) = frame_notes(framed, [run], recording)
     assert note.startswith(f"the frame, {said}")
+
+
+def test_a_robot_that_was_likely_to_cross_and_is_held_in_gazebo_sim_has_a_note_on_its_solver() -> None:
+    run = run_of("straight")
+    held, on = driven(run, lambda t: np.minimum(0.22 * t, 0.4)), driven(run, lambda t: 0.22 * t)
+    crosses, fails = (rsegen.Outcome(seconds=seconds, path=np.zeros((1, 2))) for seconds in (9.0, None))
+    told = [rsegen.Prediction(outcomes=(each,) * 6, simulator="MuJoCo", motors="reaction") for each in (fails, crosses)]
+
+    def noted(track: Trajectory, backend: str = "sim", share: int = 1, solver: str = "dantzig") -> list[str]:
+        recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[])
+        scene = compose(replace(SCENE.recipe, solver=solver))
+        robots = [driven_robot(run, scene, recording, "straight")]
+        return list(solver_notes(backend, scene, told[share], robots))
+
+    says = "burger_0 may be held by the solver of contacts; solver='pgs' makes the map with another one"
+    assert noted(held) == noted(held, "fortress") == [says]
+    assert noted(on) == noted(held, "classic") == noted(held, "mujoco") == noted(held, solver="pgs") == []
+    assert noted(held, share=0) == []
 
 
 def test_a_note_of_a_shell_names_flags(capsys: pytest.CaptureFixture[str]) -> None:

@@ -87,6 +87,19 @@ def test_a_burger_goes_straight_on_the_bare_ground_in_sim(gazebo_sim: Installati
     assert max(abs(way.aside) for way in ways.values()) <= 0.00005, ways
 
 
+def test_a_crawler_that_gazebo_sim_s_default_solver_holds_at_an_edge_crosses_with_the_other(
+    gazebo_sim: Installation,
+) -> None:
+    """Its front wheels are at the third step; friction carries it over in MuJoCo and Gazebo Classic."""
+    slope = rsegen.Slope(shape="pyramid", levels=4)
+    recipe = rsegen.Recipe(unit_cm=10, chunks=(1, 2), boundary="none", obstacles=[slope])
+    for solver, crosses in (("dantzig", False), ("pgs", True)):
+        robots = rsegen.drive(
+            replace(recipe, solver=solver), robot="crawler", simulator="sim", duration=12, predict=False
+        ).robots
+        assert [robot.metrics.crossed is not None for robot in robots] == [crosses], (str(gazebo_sim), solver)
+
+
 def bounds(shape: Shape) -> tuple[float, float]:
     """Distances from its course that a robot may have after 1.1 m, on average and at worst, metres."""
     if shape.get("simulator") == "classic":

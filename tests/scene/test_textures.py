@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from io import BytesIO
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -123,6 +124,20 @@ def test_the_look_friction_shows_equal_coefficients_alike() -> None:
     scene = rsegen.compose(recipe)
     assert scene.tint(1) == scene.tint(3) != scene.tint(2) == scene.tint(0)
     assert sum(scene.tint(1)) > sum(scene.tint(2))
+
+
+@pytest.mark.parametrize("mesh_type", ["single", "multi", "pallet"])
+def test_the_solver_of_contacts_is_in_the_world_if_it_is_another_than_gazebo_s(mesh_type: str) -> None:
+    recipe = replace(RECIPES["frames round every chunk"], mesh_type=mesh_type)
+    usual, other = (
+        b"".join(next(content for path, content in export(rsegen.compose(made)).items() if path.suffix == ".world"))
+        for made in (recipe, replace(recipe, solver="pgs"))
+    )
+    physics = ElementTree.fromstring(other).find("world/physics")
+    assert physics is not None
+    assert physics.findtext("dart/solver/solver_type") == "pgs"
+    assert usual == other.replace(b"\n      <dart><solver><solver_type>pgs</solver_type></solver></dart>", b"")
+    assert usual != other
 
 
 def test_shadows_and_sky_are_in_the_world_on_request() -> None:

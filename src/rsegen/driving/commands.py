@@ -110,6 +110,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_in_gazebo,
         refuse_output,
         short_notes,
+        solver_notes,
     )
     from rsegen.driving.planning import planned_runs, predictor_for
     from rsegen.driving.recording import record_drive, record_embedded
@@ -159,6 +160,7 @@ def drive(  # noqa: PLR0913  # each is a flag
             *drive_notes(here, runs, recording, route, contacts=contacts, picture=picture),
             *frame_notes(scene, runs, recording),
             *short_notes(found, driven, duration),
+            *solver_notes(here.backend, scene, found, driven),
         ),
         contact_samples=recording.samples,
         way=runs[0].way,

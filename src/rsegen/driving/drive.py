@@ -301,6 +301,20 @@ def short_notes(found: Prediction | None, robots: Sequence[DrivenRobot], seconds
         yield f"{', '.join(late)} had {seconds:g} s, and {took}; use duration={ceil(1.5 * found.seconds)}"
 
 
+_LIKELY = 0.5
+"""Probability of crossing from which on a robot that is held makes one doubt the simulator."""
+
+
+def solver_notes(backend: str, scene: Scene, found: Prediction | None, robots: Sequence[DrivenRobot]) -> Iterator[str]:
+    """Yield a note if robots that were likely to cross are held in Gazebo Sim, whose default solver may be why."""
+    if backend not in ("sim", "fortress") or scene.recipe.solver != "dantzig":
+        return
+    if found is None or found.probability < _LIKELY:
+        return
+    if held := [robot.name for robot in robots if robot.metrics.crossed is None and robot.metrics.stuck > _NOTICED]:
+        yield f"{', '.join(held)} may be held by the solver of contacts; solver='pgs' makes the map with another one"
+
+
 _NOTICED = 1.0
 """Seconds after which a robot that hardly moves is noticed: one that starts has its speed after some tenths."""
 

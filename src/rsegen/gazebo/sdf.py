@@ -23,7 +23,7 @@ _WORLD = """\
     <physics type="ode">
       <max_step_size>0.001</max_step_size>
       <real_time_factor>1</real_time_factor>
-      <real_time_update_rate>1000</real_time_update_rate>
+      <real_time_update_rate>1000</real_time_update_rate>{solver}
     </physics>
     <scene>
       <ambient>0.5 0.5 0.5 1</ambient>
@@ -59,6 +59,9 @@ _CAMERA = """
     </gui>"""
 
 
+_SOLVER = "\n      <dart><solver><solver_type>{}</solver_type></solver></dart>"
+
+
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     """Yield the text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
     # The camera sees the whole map from the south-south-east and above.
@@ -66,6 +69,7 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     yield HEADER + _WORLD.format(
         name=scene.name,
         gui=_CAMERA.format(pose=f"{pose} 0 0.6398 2.09") if scene.recipe.is_textured else "",
+        solver="" if scene.recipe.solver == "dantzig" else _SOLVER.format(scene.recipe.solver),
         shadows="true" if scene.recipe.shadows else "false",
         sky="\n      <sky></sky>" if scene.recipe.sky else "",
         side=decimal(max(100.0, 2 * max(scene.field.extent))),

@@ -46,7 +46,17 @@ BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "se
 _GROUPS = {
     "Shape": ("block_width_cm", "frame_height_cm", "ground_level", "difficulty"),
     "Constraints": ("max_step", "crossable_by", "crossable_room", "inventory"),
-    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile", "units"),
+    "Files and simulator": (
+        "name",
+        "description",
+        "first_map",
+        "simulator",
+        "solver",
+        "mesh",
+        "collision",
+        "tile",
+        "units",
+    ),
     "Friction": ("friction", "frame_friction", "level_friction"),
     "Look": ("look", "frame_colour", "level_colours", "shadows", "sky"),
 }

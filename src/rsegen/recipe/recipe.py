@@ -68,6 +68,13 @@ class Representation:
             help="target simulator: both, or classic for smoother floors in Gazebo Classic; a map opens in both",
         ),
     ] = "both"
+    solver: Annotated[
+        str,
+        Choice(
+            ("dantzig", "pgs"),
+            help="solver of contacts in Gazebo Sim: dantzig, its default, holds some robots at edges; pgs does not",
+        ),
+    ] = "dantzig"
     mesh: Annotated[
         str,
         Choice(
