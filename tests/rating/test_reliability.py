@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,13 @@ def test_failures_are_allowed_up_to_the_chance_of_a_robot_that_is_no_better(
     else:
         assert binom.cdf(allowed, repetitions, 1 - reliability) <= chance + 1e-9
         assert binom.cdf(allowed + 1, repetitions, 1 - reliability) > chance - 1e-9
+
+
+@pytest.mark.parametrize(("reliability", "confidence"), [("0.3", "0.91"), ("0.8", "0.36"), ("0.5", "0.75")])
+def test_a_chance_of_just_what_is_allowed_passes(reliability: str, confidence: str) -> None:
+    """In decimals both are equal, but 0.3 ** 2 and 1 - 0.91 are not in binary numbers."""
+    assert Fraction(reliability) ** 2 == 1 - Fraction(confidence)
+    assert rsegen.failures_allowed(float(reliability), float(confidence), 2) == 0
 
 
 @given(st.integers(1, 300), st.data(), st.floats(0.5, 0.99))
