@@ -228,7 +228,18 @@ def run_dataset(arguments: argparse.Namespace) -> Report:
     else:
         dataset = _made(arguments)
         words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
-    return Report(lines=[_described(dataset), words], content=lambda: _content(dataset))
+    return Report(lines=[_described(dataset), *_repeated(dataset), words], content=lambda: _content(dataset))
+
+
+def _repeated(dataset: Dataset) -> Iterator[str]:
+    """Yield a line for each recipe that makes the same map again, as one set of its maps then holds maps of another."""
+    for recipe in dataset.recipes:
+        distinct, compared = dataset.distinct(recipe.name)
+        if distinct < compared:
+            yield (
+                f"note: {distinct:,} of the first {compared:,} maps of {recipe.name} are different; other seeds and "
+                "indices make the same maps too"
+            )
 
 
 def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
@@ -260,6 +271,7 @@ def _made(arguments: argparse.Namespace) -> Dataset:
 def _content(dataset: Dataset) -> dict[str, object]:
     names = ("name", "seed", "maps")
     recipes = [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]
+    compared = {recipe.name: dataset.distinct(recipe.name) for recipe in dataset.recipes}
     return {
         "folder": str(dataset.folder),
         **({"recipes": recipes} if recipes[1:] else {"seed": dataset.recipe.seed}),
@@ -269,6 +281,7 @@ def _content(dataset: Dataset) -> dict[str, object]:
         "metrics": dataset.layout.metrics,
         "shards": len(dataset.shards),
         "bytes": dataset.bytes,
+        "distinct": {name: {"maps": of, "different": count} for name, (count, of) in compared.items()},
     }
 
 

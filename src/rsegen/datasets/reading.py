@@ -19,6 +19,7 @@ import io
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +29,15 @@ from numpy.typing import NDArray
 from rsegen import npy_files
 from rsegen.datasets import DATASET
 from rsegen.datasets.difficulty_tiles import amid, kind_of_column
-from rsegen.datasets.layout import ROW, Shard, ShardLayout, read_manifest, refuse_other_checksums, refuse_other_sizes
+from rsegen.datasets.layout import (
+    CELLS,
+    ROW,
+    Shard,
+    ShardLayout,
+    read_manifest,
+    refuse_other_checksums,
+    refuse_other_sizes,
+)
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, UnknownName, UserError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -89,6 +98,9 @@ def arrow() -> tuple[Any, Any]:
         raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install([DATASET.name])}; or use npy") from None
     return pyarrow, parquet
 
+
+_LEAST_COMPARED = 100
+"""Maps of a recipe that are compared with each other at least, however large they are."""
 
 OPEN = 256
 """Shards that are mapped at the same time, at most: each has a file descriptor, of which systems give 1024 and less."""
@@ -354,6 +366,21 @@ class Dataset:
             difficulty=figures[places],
             size=size,
         )
+
+    def distinct(self, name: str) -> tuple[int, int]:
+        """Return how many different maps are among the first ones of a recipe, and how many were compared.
+
+        Up to 10,000 are compared, fewer if they are large. A recipe that draws little repeats its maps soon, under
+        other indices and seeds too.
+        """
+        names = [recipe.name for recipe in self.recipes]
+        if name not in names:
+            raise UnknownName.among("name", "recipe", name, names)
+        number = names.index(name)
+        first = sum(recipe.maps for recipe in self.recipes[:number])
+        most = max(CELLS // prod(self.layout.grid_shape), _LEAST_COMPARED)
+        compared = self[first : first + min(self.recipes[number].maps, most)]
+        return len({levels.tobytes() for levels in compared}), len(compared)
 
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.
