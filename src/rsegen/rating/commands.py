@@ -66,7 +66,9 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="stop when both ends of the 95 % interval are at most this far from the level"),
+        Float(
+            2, 100, unit="%", help="stop when the 95 % interval of half is at most this far up and down of its middle"
+        ),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
