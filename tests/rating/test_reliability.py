@@ -15,6 +15,7 @@ from scipy.stats import binom, binomtest
 import rsegen
 from rsegen.driving.many import ManyDrive, ManyDrives
 from rsegen.errors import OutputError, ParameterError
+from rsegen.rating.rate import _are_alike
 from rsegen.rating.reliability import ReliabilityTest, shown_reliability
 from rsegen.simulators.embedded import EMBEDDED
 
@@ -118,6 +119,13 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
         rsegen.rate("jackal", fields, reliability=0.8)
 
 
+def test_a_recipe_with_two_fields_is_random_also_if_the_first_ones_are_alike() -> None:
+    fields = rsegen.Recipe(chunk_size=1, boundary="none", obstacles=[rsegen.Random(levels=2)])
+    recipes = (replace(fields, seed=seed) for seed in range(99))
+    alike = next(recipe for recipe in recipes if len({rsegen.build(recipe, i).levels.item() for i in range(4)}) == 1)
+    assert not _are_alike(alike)
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -125,6 +133,8 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
         ({"repetitions": 10}, "repetitions: is for a test of reliability"),
         ({"reliability": 0.8, "trials": 10}, "trials: is for a rating"),
         ({"reliability": 0.8, "by": "prediction"}, "by: is for a rating"),
+        ({"reliability": 0.8, "axis": "slope"}, "axis: is for a rating"),
+        ({"reliability": 0.8, "precision": 5}, "precision: is for a rating"),
         ({"reliability": 1.5}, r"reliability: 1\.5"),
     ],
 )
