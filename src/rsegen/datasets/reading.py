@@ -9,8 +9,8 @@ Maps are also laid out as tiles of a terrain, for curriculum learning:
     rows (+x): from the easiest map to the hardest     columns (+y): maps of about the same difficulty, or a recipe each
 
 They are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
-Cost: a sort per row; a metric that is not in the table of the data set is measured map by map, which costs most. What
-breaks it: a metric with few different values, of which neighbouring rows then have the same.
+Cost: a sum over all maps per row; a metric that is not in the table of the data set is measured map by map, which
+costs most. What breaks it: a metric with few different values, of which neighbouring rows then have the same.
 """
 
 from __future__ import annotations
@@ -410,13 +410,19 @@ def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArr
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """Return row by row the unused maps nearest to evenly spaced values, from the least to the greatest."""
-    values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
-    places = np.empty((rows, columns), dtype=np.intp)
+    """Return row by row the maps nearest to evenly spaced values, from the least to the greatest.
+
+    Each row has neighbours in rank, all above those of the row before, and leaves enough maps for the rows after it:
+    where maps are few, as at both ends, the nearest ones of a row would be those of the next.
+    """
+    values = figures[ranked].astype(np.float64)
+    places, first = np.empty((rows, columns), dtype=np.intp), 0
     for row, target in enumerate(np.linspace(values[0], values[-1], rows)):
-        left = np.flatnonzero(free)
-        nearest = np.sort(left[np.argsort(np.abs(values[left] - target), kind="stable")[:columns]])
-        free[nearest], places[row] = False, ranked[nearest]
+        until = np.concatenate([[0.0], np.cumsum(np.abs(values - target))])
+        last = len(values) - (rows - row) * columns
+        first += int(np.argmin((until[columns:] - until[:-columns])[first : last + 1]))
+        places[row] = ranked[first : first + columns]
+        first += columns
     return places
 
 
