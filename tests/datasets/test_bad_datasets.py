@@ -101,6 +101,10 @@ def test_several_recipes(refused: Refused) -> None:
     assert exit_code("dataset", "peak", "diagonal-barrier", "--maps", "1", "-o", "set") == 0
     assert "there is no map 2 in the data set; use 0..1" in refused("info", "set#2")
     assert "--verify: needs no recipe" in refused("dataset", "peak", "--verify", "set")
+    assert "--verify: needs no recipe" in refused("dataset", "--maps", "5", "--verify", "set")
+    assert "--shard-maps: is for a data set that is made" in refused("dataset", "--verify", "set", "--shard-maps", "3")
+    assert "--force: is for a data set that is made" in refused("dataset", "--verify", "set", "--force")
+    assert "--rebuild: is for --verify DIR" in refused("dataset", "peak", "--rebuild", "3", "-o", "other")
 
 
 def test_a_series_is_no_unfinished_data_set(refused: Refused) -> None:

@@ -116,6 +116,18 @@ def test_tiles_get_harder_from_row_to_row(spacing: str, dataset: Dataset) -> Non
         assert np.array_equal(found.heights[row_, column], dataset.heights(int(place)))
 
 
+def test_the_last_row_is_the_hardest_of_maps_that_are_seldom_hard(tmp_path: Path) -> None:
+    """Most maps are in the middle, so the maps nearest to a row near an end were the hardest of all."""
+    found = make_dataset(rsegen.Recipe(seed=1, maps=600, obstacles=[rsegen.Random(levels=5)]), tmp_path)
+    every = np.sort(found.metrics["steps.rms"])
+    for rows, columns in ((10, 20), (20, 5), (6, 100)):
+        tiles = found.tiles(rows, columns)
+        assert (np.diff(tiles.difficulty.ravel()) >= 0).all()
+        assert np.array_equal(tiles.difficulty[0], every[:columns])
+        assert np.array_equal(tiles.difficulty[-1], every[-columns:])
+        assert len(set(tiles.places.ravel())) == rows * columns
+
+
 def test_tiles_by_a_metric_of_a_robot_can_be_crossed_by_it(dataset: Dataset) -> None:
     robot = rsegen.StepLimits(climb_cm=10, width_cm=5)
     found = dataset.tiles(2, 3, by="reach.west_east.cost", robot=robot)

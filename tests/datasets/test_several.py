@@ -244,3 +244,20 @@ def test_a_stopped_command_says_how_to_go_on(
         assert exit_code("dataset", *recipes, "-o", name) == 130
         line = the_line(capsys.readouterr().err)
         assert line.endswith(f"1 of 2 shards are complete in {name}; the same command {said} makes the others")
+
+
+def test_the_command_says_how_many_of_its_maps_are_different(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A barrier has few places, so maps that were kept for a test would be those of the training."""
+    barrier = Recipe(name="barrier", seed=1, maps=60, obstacles=[rsegen.HorizontalBarrier(levels=3)])
+    rubble = replace(barrier, name="rubble", obstacles=[Random(levels=4)])
+    dataset = make_dataset([barrier, rubble], tmp_path / "both")
+    different = len(np.unique(dataset.levels[:60], axis=0))
+    assert dataset.distinct("barrier") == (different, 60)
+    assert dataset.distinct("rubble") == (60, 60)
+    with pytest.raises(UserError, match="name: unknown recipe 'ruble'"):
+        dataset.distinct("ruble")
+    assert exit_code("dataset", "--verify", tmp_path / "both") == 0
+    (said,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("note: "))
+    assert said.startswith(f"note: {different} of the first 60 maps of barrier are different")

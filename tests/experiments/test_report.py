@@ -263,3 +263,9 @@ def test_a_median_ignores_missing_values() -> None:
 def test_the_plot_is_a_picture(results: Results) -> None:
     with Image.open(io.BytesIO(plot(PLAN, results))) as picture:
         assert picture.size == (1500, 550)
+
+
+def test_the_plot_has_no_empty_axes_for_a_real_time_factor_that_was_not_measured(results: Results) -> None:
+    quick = {cell: outcomes for cell, outcomes in results.items() if cell.pace == "free"}
+    with Image.open(io.BytesIO(plot(replace(PLAN, paces=["free"]), quick))) as picture:
+        assert picture.width == 1000

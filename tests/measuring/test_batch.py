@@ -44,3 +44,10 @@ def test_a_block_alone_has_no_steps() -> None:
     assert np.isnan(table["steps.rms"]).all()
     assert np.isnan(table["ruggedness.tri"]).all()
     assert table["opening.west_east"].tolist() == pytest.approx([0.1, 0.1])
+
+
+def test_the_deviation_of_a_million_blocks_of_many_levels_needs_more_than_64_bits() -> None:
+    like = rsegen.build(Recipe(seed=0, chunk_size=1000, boundary="none", unit_cm=1))
+    levels = np.zeros((1, 1000, 1000), dtype=np.int16)
+    levels[:, 500:] = 30_000
+    assert batch_metrics(levels, like)["spread.deviation"].tolist() == pytest.approx([150.0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan, degrees
+from math import atan, degrees, inf
 
 import numpy as np
 import pytest
@@ -67,3 +67,14 @@ def test_fields_that_no_level_changes_are_refused() -> None:
         refuse_unusable(AXES["unit"], rsegen.Recipe(seed=1))
     with pytest.raises(ParameterError, match=r"recipe: has difficulty 0\.5; leave it at 1"):
         refuse_unusable(AXES["difficulty"], replace(FIELDS, difficulty=0.5))
+
+
+@pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
+def test_levels_beyond_an_axis_are_infinite_or_zero_and_said_to_be_beyond(axis: Axis) -> None:
+    first, last = axis.ends
+    assert axis.level_within((first + last) / 2) == axis.level((first + last) / 2)
+    lower, higher = (first - 0.1, last + 0.1) if axis.is_rising else (last + 0.1, first - 0.1)
+    assert (axis.level_within(lower), axis.level_within(higher)) == (0, inf)
+    words = axis.shown(axis.high / 2, 0, inf)
+    assert words.endswith(f"[less than {axis.low:g}, more than {axis.high:g}]")
+    assert axis.shown(inf) == axis.words.format(f"more than {axis.high:g}")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shlex
 import signal
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from math import exp, log
+from math import exp, inf, log
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,8 @@ def test_a_function_is_rated_until_the_interval_is_narrow() -> None:
     assert rating.robot == "crosses"
     assert rating.half.low < 100 * HALF_M < rating.half.high
     assert rating.most.level < rating.half.level
+    _, low, high = rating.half
+    assert curve.precision == pytest.approx((high / low) ** 0.5 - 1)
     assert curve.precision <= 0.1
     assert 48 <= len(curve.trials) < 300
     assert told[-1][0] == len(curve.trials)
@@ -67,6 +70,24 @@ def test_a_function_is_rated_until_the_interval_is_narrow() -> None:
     wider = rated(precision=30)
     assert len(wider.curves[0].trials) <= len(curve.trials)
     assert wider.curves[0].trials == curve.trials[: len(wider.curves[0].trials)]
+
+
+def always(field: StepField, seed: int) -> bool:
+    """Cross every field."""
+    return True
+
+
+def test_no_difficulty_above_1_is_reported_where_trials_are_few(tmp_path: Path) -> None:
+    """The curve goes on beyond the axis, but no field does."""
+    rating = rated(always, axis="difficulty", trials=8, output=tmp_path / "out")
+    assert (rating.half.level, rating.half.high) == (inf, inf)
+    assert 0 < rating.half.low < 1
+    (line,) = rating.report()
+    assert re.search(r"half of .* at a difficulty of more than 1 \[0\.\d+, more than 1\], and 80 % at", line)
+    (curve,) = json.loads((tmp_path / "out" / "rating.json").read_text())["curves"]
+    assert curve["half"] == {"level": None, "interval": [pytest.approx(rating.half.low, rel=1e-5), None]}
+    with Image.open(tmp_path / "out" / "rating.png") as picture:
+        assert picture.width > 800
 
 
 def test_each_trial_gets_a_field_and_a_seed_of_its_own() -> None:

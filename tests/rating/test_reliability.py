@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from scipy.stats import binom, binomtest
 import rsegen
 from rsegen.driving.many import ManyDrive, ManyDrives
 from rsegen.errors import OutputError, ParameterError
+from rsegen.rating.rate import _are_alike
 from rsegen.rating.reliability import ReliabilityTest, shown_reliability
 from rsegen.simulators.embedded import EMBEDDED
 
@@ -34,6 +36,13 @@ def test_failures_are_allowed_up_to_the_chance_of_a_robot_that_is_no_better(
     else:
         assert binom.cdf(allowed, repetitions, 1 - reliability) <= chance + 1e-9
         assert binom.cdf(allowed + 1, repetitions, 1 - reliability) > chance - 1e-9
+
+
+@pytest.mark.parametrize(("reliability", "confidence"), [("0.3", "0.91"), ("0.8", "0.36"), ("0.5", "0.75")])
+def test_a_chance_of_just_what_is_allowed_passes(reliability: str, confidence: str) -> None:
+    """In decimals both are equal, but 0.3 ** 2 and 1 - 0.91 are not in binary numbers."""
+    assert Fraction(reliability) ** 2 == 1 - Fraction(confidence)
+    assert rsegen.failures_allowed(float(reliability), float(confidence), 2) == 0
 
 
 @given(st.integers(1, 300), st.data(), st.floats(0.5, 0.99))
@@ -110,6 +119,13 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
         rsegen.rate("jackal", fields, reliability=0.8)
 
 
+def test_a_recipe_with_two_fields_is_random_also_if_the_first_ones_are_alike() -> None:
+    fields = rsegen.Recipe(chunk_size=1, boundary="none", obstacles=[rsegen.Random(levels=2)])
+    recipes = (replace(fields, seed=seed) for seed in range(99))
+    alike = next(recipe for recipe in recipes if len({rsegen.build(recipe, i).levels.item() for i in range(4)}) == 1)
+    assert not _are_alike(alike)
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -117,6 +133,8 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
         ({"repetitions": 10}, "repetitions: is for a test of reliability"),
         ({"reliability": 0.8, "trials": 10}, "trials: is for a rating"),
         ({"reliability": 0.8, "by": "prediction"}, "by: is for a rating"),
+        ({"reliability": 0.8, "axis": "slope"}, "axis: is for a rating"),
+        ({"reliability": 0.8, "precision": 5}, "precision: is for a rating"),
         ({"reliability": 1.5}, r"reliability: 1\.5"),
     ],
 )

@@ -15,6 +15,7 @@ from rsegen.cli.flags import (
     RECIPE_HELP,
     add_input,
     add_recipe_flags,
+    has_recipe_flags,
     recipe_from,
     with_flags,
 )
@@ -24,7 +25,7 @@ from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counted, counting, progress_shown
 from rsegen.errors import ParameterError
 from rsegen.measuring.parameters import By, ByRobot, From, SameField, To
-from rsegen.params.command import add_flags, command, declared
+from rsegen.params.command import add_flags, command, declared, given
 from rsegen.params.sorts import Choice, Integer
 from rsegen.writing.sidecars import chosen_sidecars, with_sidecars
 
@@ -228,15 +229,28 @@ def run_dataset(arguments: argparse.Namespace) -> Report:
     else:
         dataset = _made(arguments)
         words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
-    return Report(lines=[_described(dataset), words], content=lambda: _content(dataset))
+    return Report(lines=[_described(dataset), *_repeated(dataset), words], content=lambda: _content(dataset))
+
+
+def _repeated(dataset: Dataset) -> Iterator[str]:
+    """Yield a line for each recipe that makes the same map again, as one set of its maps then holds maps of another."""
+    for recipe in dataset.recipes:
+        distinct, compared = dataset.distinct(recipe.name)
+        if distinct < compared:
+            yield (
+                f"note: {distinct:,} of the first {compared:,} maps of {recipe.name} are different; other seeds and "
+                "indices make the same maps too"
+            )
 
 
 def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     """Return the data set that was checked, and what it was compared with."""
     from rsegen.datasets.reading import Dataset
 
-    if arguments.recipes:
+    if arguments.recipes or has_recipe_flags(arguments):
         raise ParameterError("--verify", "needs no recipe: it is in the data set")
+    for name in given(make_dataset, arguments):
+        raise ParameterError(f"--{name.replace('_', '-')}", "is for a data set that is made; --verify checks one")
     text = arguments.rebuild
     rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
     dataset = Dataset(Path(arguments.verify))
@@ -249,6 +263,8 @@ def _made(arguments: argparse.Namespace) -> Dataset:
     from rsegen.recipe.recipe import Recipe
     from rsegen.recipe.recipe_file import named_recipe
 
+    if arguments.rebuild is not None:
+        raise ParameterError("--rebuild", "is for --verify DIR, which compares maps of a data set that exists")
     starts = [named_recipe(name) for name in arguments.recipes] or [Recipe()]
     recipes, options = [with_flags(start, arguments) for start in starts], run_options(make_dataset, arguments)
     resume, then = not arguments.force, "goes on" if arguments.force else "makes the others"
@@ -260,6 +276,7 @@ def _made(arguments: argparse.Namespace) -> Dataset:
 def _content(dataset: Dataset) -> dict[str, object]:
     names = ("name", "seed", "maps")
     recipes = [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]
+    compared = {recipe.name: dataset.distinct(recipe.name) for recipe in dataset.recipes}
     return {
         "folder": str(dataset.folder),
         **({"recipes": recipes} if recipes[1:] else {"seed": dataset.recipe.seed}),
@@ -269,6 +286,7 @@ def _content(dataset: Dataset) -> dict[str, object]:
         "metrics": dataset.layout.metrics,
         "shards": len(dataset.shards),
         "bytes": dataset.bytes,
+        "distinct": {name: {"maps": of, "different": count} for name, (count, of) in compared.items()},
     }
 
 

@@ -9,8 +9,8 @@ Maps are also laid out as tiles of a terrain, for curriculum learning:
     rows (+x): from the easiest map to the hardest     columns (+y): maps of about the same difficulty, or a recipe each
 
 They are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
-Cost: a sort per row; a metric that is not in the table of the data set is measured map by map, which costs most. What
-breaks it: a metric with few different values, of which neighbouring rows then have the same.
+Cost: a sum over all maps per row; a metric that is not in the table of the data set is measured map by map, which
+costs most. What breaks it: a metric with few different values, of which neighbouring rows then have the same.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import io
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +29,15 @@ from numpy.typing import NDArray
 from rsegen import npy_files
 from rsegen.datasets import DATASET
 from rsegen.datasets.difficulty_tiles import amid, kind_of_column
-from rsegen.datasets.layout import ROW, Shard, ShardLayout, read_manifest, refuse_other_checksums, refuse_other_sizes
+from rsegen.datasets.layout import (
+    CELLS,
+    ROW,
+    Shard,
+    ShardLayout,
+    read_manifest,
+    refuse_other_checksums,
+    refuse_other_sizes,
+)
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, UnknownName, UserError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -89,6 +98,9 @@ def arrow() -> tuple[Any, Any]:
         raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install([DATASET.name])}; or use npy") from None
     return pyarrow, parquet
 
+
+_LEAST_COMPARED = 100
+"""Maps of a recipe that are compared with each other at least, however large they are."""
 
 OPEN = 256
 """Shards that are mapped at the same time, at most: each has a file descriptor, of which systems give 1024 and less."""
@@ -355,6 +367,21 @@ class Dataset:
             size=size,
         )
 
+    def distinct(self, name: str) -> tuple[int, int]:
+        """Return how many different maps are among the first ones of a recipe, and how many were compared.
+
+        Up to 10,000 are compared, fewer if they are large. A recipe that draws little repeats its maps soon, under
+        other indices and seeds too.
+        """
+        names = [recipe.name for recipe in self.recipes]
+        if name not in names:
+            raise UnknownName.among("name", "recipe", name, names)
+        number = names.index(name)
+        first = sum(recipe.maps for recipe in self.recipes[:number])
+        most = max(CELLS // prod(self.layout.grid_shape), _LEAST_COMPARED)
+        compared = self[first : first + min(self.recipes[number].maps, most)]
+        return len({levels.tobytes() for levels in compared}), len(compared)
+
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.
 
@@ -383,13 +410,19 @@ def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArr
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """Return row by row the unused maps nearest to evenly spaced values, from the least to the greatest."""
-    values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
-    places = np.empty((rows, columns), dtype=np.intp)
+    """Return row by row the maps nearest to evenly spaced values, from the least to the greatest.
+
+    Each row has neighbours in rank, all above those of the row before, and leaves enough maps for the rows after it:
+    where maps are few, as at both ends, the nearest ones of a row would be those of the next.
+    """
+    values = figures[ranked].astype(np.float64)
+    places, first = np.empty((rows, columns), dtype=np.intp), 0
     for row, target in enumerate(np.linspace(values[0], values[-1], rows)):
-        left = np.flatnonzero(free)
-        nearest = np.sort(left[np.argsort(np.abs(values[left] - target), kind="stable")[:columns]])
-        free[nearest], places[row] = False, ranked[nearest]
+        until = np.concatenate([[0.0], np.cumsum(np.abs(values - target))])
+        last = len(values) - (rows - row) * columns
+        first += int(np.argmin((until[columns:] - until[:-columns])[first : last + 1]))
+        places[row] = ranked[first : first + columns]
+        first += columns
     return places
 
 

@@ -390,6 +390,10 @@ _ASIDE = 0.006
 """Distance between curves, as a share of the largest map: equal figures would hide one another."""
 
 
+_Limits = Callable[[Sequence[Outcome]], tuple[float, float, float] | None]
+"""Function that returns the least, the middle and the most of a figure of outcomes, or None."""
+
+
 class _Point(NamedTuple):
     """A figure of a cell: the side of the map, the value with its limits, and whether the robots rested."""
 
@@ -403,27 +407,26 @@ class _Point(NamedTuple):
 def plot(plan: ExperimentPlan, results: Results) -> bytes:
     """Draw a PNG with a curve per row: points with the least and the most of all trials, and the paper's RTF.
 
-    A point is hollow where the robots were stuck for most of the time.
+    A point is hollow where the robots were stuck for most of the time. Plans without a pace in real time have no RTF.
     """
     from matplotlib.figure import Figure
 
-    # Three axes, each with the curves of all rows; they have one legend, below.
-    figure = Figure(figsize=(15, 5.5), dpi=100, layout="constrained")
-    rtf, speed, memory = figure.subplots(1, 3)
-    real = next((pace for pace in plan.paces if pace in IN_REAL_TIME), "real")
+    # Two or three axes, each with the curves of all rows; they have one legend, below.
+    real = next((pace for pace in plan.paces if pace in IN_REAL_TIME), None)
     quick = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
+    panels: dict[str, tuple[str, _Limits]] = {"real-time factor: least, mean, most": (real, rtf_limits)} if real else {}
+    panels["simulated seconds per second of CPU"] = quick, partial(_limits, name="speed")
+    panels["memory of the simulator [MB]"] = quick, partial(_limits, name="memory")
+    figure = Figure(figsize=(5 * len(panels), 5.5), dpi=100, layout="constrained")
     several = len({row.simulator for row in plan.rows}) > 1
-    for index, row in enumerate(plan.rows):
-        label = row.label + (f", {_title(row)}" if several else "")
-        _curve(rtf, index, plan, _points(plan, results, index, real, rtf_limits), label)
-        _curve(speed, index, plan, _points(plan, results, index, quick, partial(_limits, name="speed")), label)
-        _curve(memory, index, plan, _points(plan, results, index, quick, partial(_limits, name="memory")), label)
-    _draw_published(rtf, plan)
-    _finish(rtf, "real-time factor: least, mean, most")
-    _finish(speed, "simulated seconds per second of CPU")
-    _finish(memory, "memory of the simulator [MB]")
     handles: dict[str, Any] = {}
-    for axes in (speed, rtf):
+    for axes, (title, (pace, limits)) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
+        for index, row in enumerate(plan.rows):
+            label = row.label + (f", {_title(row)}" if several else "")
+            _curve(axes, index, plan, _points(plan, results, index, pace, limits), label)
+        if limits is rtf_limits:
+            _draw_published(axes, plan)
+        _finish(axes, title)
         handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     if handles:
         figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=2)
@@ -436,7 +439,7 @@ def _points(
     results: Results,
     index: int,
     pace: str,
-    limits: Callable[[Sequence[Outcome]], tuple[float, float, float] | None],
+    limits: _Limits,
 ) -> list[_Point]:
     """Return the points of a row at a pace, of the sizes whose outcomes have such limits."""
     by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, log, radians, tan
+from math import exp, inf, log, radians, tan
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,13 @@ class Axis:
         """Return the level at a place."""
         return exp(place if self.is_rising else -place)
 
+    def level_within(self, place: float) -> float:
+        """Return the level at a place; infinity or 0 beyond the ends of the axis, as no field was tried there."""
+        first, last = self.ends
+        if first <= place <= last:
+            return self.level(place)
+        return inf if (place > last) == self.is_rising else 0.0
+
     @property
     def ends(self) -> tuple[float, float]:
         """The places of the easiest and of the hardest level."""
@@ -65,9 +72,17 @@ class Axis:
         return float(f"{self.level(place):.3g}")
 
     def shown(self, *levels: float) -> str:
-        """Return a level in words, with the ends of its interval, if they are given: `a unit of 6.1 cm [5.8, 6.5]`."""
-        level, *ends = (f"{level:.3g}" for level in levels)
+        """Return a level in words, with the ends of its interval, if they are given: `a unit of 6.1 cm [5.8, 6.5]`.
+
+        What is beyond the axis is said to be so: `a difficulty of 0.9 [0.7, more than 1]`.
+        """
+        level, *ends = map(self._number, levels)
         return self.words.format(level) + (f" [{', '.join(ends)}]" if ends else "")
+
+    def _number(self, level: float) -> str:
+        if 0 < level < inf:
+            return f"{level:.3g}"
+        return f"more than {self.high:g}" if level else f"less than {self.low:g}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -66,7 +66,9 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="stop when both ends of the 95 % interval are at most this far from the level"),
+        Float(
+            2, 100, unit="%", help="stop when the 95 % interval of half is at most this far up and down of its middle"
+        ),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
@@ -158,10 +160,7 @@ def rate(  # noqa: PLR0913  # each is a flag
             if value is not None:
                 raise ParameterError(name, "is for a test of reliability; set reliability too")
         return rate_robot(rated, fields, axis, by, trials=trials, precision=precision / 100, target=target)
-    if trials is not None:
-        raise ParameterError("trials", "is for a rating; the drives of a test of reliability are repetitions")
-    if tuple(by) != ("mujoco",):
-        raise ParameterError("by", "is for a rating; a test of reliability drives in MuJoCo")
+    _refuse_for_reliability(trials=trials, by=tuple(by), axis=axis, precision=precision)
     with unchanged_if_stopped(output):
         return reliability_shown(
             rated,
@@ -171,6 +170,22 @@ def rate(  # noqa: PLR0913  # each is a flag
             repetitions=_REPETITIONS if repetitions is None else repetitions,
             target=target,
         )
+
+
+_FOR_RATINGS: Mapping[str, tuple[Any, str]] = {
+    "trials": (None, "the drives of a test of reliability are repetitions"),
+    "by": (("mujoco",), "a test of reliability drives in MuJoCo"),
+    "axis": ("unit", "the fields of a test of reliability are as the recipe has them"),
+    "precision": (_PRECISION, "a test of reliability ends after its repetitions"),
+}
+"""Parameters that a test of reliability has not: their defaults, and why."""
+
+
+def _refuse_for_reliability(**values: object) -> None:
+    for name, value in values.items():
+        usual, why = _FOR_RATINGS[name]
+        if value != usual:
+            raise ParameterError(name, f"is for a rating; {why}")
 
 
 _TEST = ("reliability", "confidence", "repetitions")

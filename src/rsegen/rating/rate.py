@@ -212,8 +212,12 @@ def _notes(recipe: Recipe, curves: Sequence[Curve]) -> list[str]:
 
 def _are_alike(recipe: Recipe) -> bool:
     """Return whether the fields of a recipe are all the same one, as nothing in it is random."""
-    first, *others = (build(recipe, index).levels for index in range(3))
-    return all(np.array_equal(first, other) for other in others)
+    first = build(recipe, 0).levels
+    return all(np.array_equal(first, build(recipe, index).levels) for index in range(1, _COMPARED))
+
+
+_COMPARED = 10
+"""Fields of a recipe that are compared, until one differs: if there are only two, the first ones are often alike."""
 
 
 def reliability_shown(  # as `rsegen.rate`

@@ -13,7 +13,7 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
-from math import exp
+from math import exp, inf
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +41,10 @@ _SURE = 0.975
 
 
 class Estimate(NamedTuple):
-    """A level at which a share of fields is crossed, with its 95 % interval, the lower end first."""
+    """A level at which a share of fields is crossed, with its 95 % interval, the lower end first.
+
+    Each is infinity, or 0, if it is beyond the levels of the axis.
+    """
 
     level: float
     low: float
@@ -78,7 +81,7 @@ class Curve:
 
     def at_share(self, share: float) -> Estimate:
         """Return the level at which a share of fields is crossed."""
-        middle, *ends = (self.axis.level(place) for place in self.posterior.at_share(share))
+        middle, *ends = map(self.axis.level_within, self.posterior.at_share(share))
         return Estimate(middle, *sorted(ends))
 
     @property
@@ -93,9 +96,12 @@ class Curve:
 
     @property
     def precision(self) -> float:
-        """Half the width of the interval of `half`, as a share of the level: 0.1 for a tenth up and down."""
-        low, high = self.half[1:]
-        return float((high / low) ** 0.5 - 1)
+        """Half the width of the interval of `half`, as a factor less 1: 0.1 for a factor of 1.1 up and down.
+
+        Half itself is near the middle of the interval, but seldom just there.
+        """
+        _, low, high = self.posterior.at_share(HALF)
+        return exp((high - low) / 2) - 1
 
     @property
     def outside(self) -> str:
@@ -239,7 +245,7 @@ class Rating(Reported):
 
 
 def _estimate_json(levels: Estimate) -> dict[str, object]:
-    level, low, high = (float(f"{level:.6g}") for level in levels)
+    level, low, high = (float(f"{level:.6g}") if 0 < level < inf else None for level in levels)
     return {"level": level, "interval": [low, high]}
 
 
@@ -270,8 +276,9 @@ def plot(rating: Rating) -> bytes:
             if len(rating.curves) == 1:
                 axes.annotate(f"{count}", (level, share), (5, 5), textcoords="offset points", fontsize=7)
         if not curve.outside:
-            for share, levels_at in ((HALF, curve.half), (MOST, curve.most)):
-                axes.plot(levels_at[1:], [share, share], color=colour, linewidth=5, alpha=0.6, solid_capstyle="butt")
+            for share in (HALF, MOST):
+                ends = [axis.level(place) for place in np.clip(known.at_share(share)[1:], *axis.ends)]
+                axes.plot(ends, [share, share], color=colour, linewidth=5, alpha=0.6, solid_capstyle="butt")
     for share in (HALF, MOST):
         axes.axhline(share, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
     axes.set_xscale("log")
@@ -301,7 +308,8 @@ def shown_places(curves: Sequence[Curve]) -> tuple[float, float]:
     axis = curves[0].axis
     ends = [curve.posterior.at_share(share)[0] for curve in curves for share in (0.9, 0.03)]
     ends += [axis.place(level) for curve in curves for level, _, count in points_of(curve) if count > 1]
-    ends += [axis.place(level) for curve in curves if not curve.outside for level in (*curve.half[1:], *curve.most[1:])]
+    inside = [curve.posterior for curve in curves if not curve.outside]
+    ends += [place for known in inside for share in (HALF, MOST) for place in known.at_share(share)[1:]]
     first, last = axis.ends
     return max(min(ends) - 0.1, first), min(max(ends) + 0.1, last)
 

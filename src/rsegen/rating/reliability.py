@@ -25,6 +25,9 @@ from rsegen.writing.store import write_folder
 SHARE = Float(0, 1)
 REPETITIONS = Integer(1, 100_000)
 
+_ROUNDING = 1e-12
+"""Share by which a probability that is just the allowed one may come out above it: decimals are no binary numbers."""
+
 _HALVINGS = 60
 """Halvings of an interval of shares: to the last digit of a float."""
 
@@ -56,7 +59,7 @@ def failures_allowed(reliability: float, confidence: float, repetitions: int) ->
     passed, allowed = 0.0, None
     for failures in range(count + 1):
         passed += _binomial(count, failures, 1 - share)
-        if passed > 1 - sure:
+        if passed > (1 - sure) * (1 + _ROUNDING):
             break
         allowed = failures
     return allowed

@@ -49,7 +49,7 @@ Progress = Callable[[int, float], None]
 class RatingPlan:
     """Plan of a rating: fields at levels of an axis, until `trials` are made or half is known to `precision`.
 
-    precision: half the width of the 95 % interval, as a share of the level
+    precision: half the width of the 95 % interval, as a factor less 1
     """
 
     recipe: Recipe
