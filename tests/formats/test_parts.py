@@ -96,7 +96,9 @@ def parts_of_usd(scene: Scene, folder: Path) -> dict[str, Part]:
         (folder / path).write_bytes(content)
     stage, parts = Library.Stage.Open(str(folder / f"{scene.name}.usda")), {}
     for mesh in (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)):
-        corners = np.array(mesh.GetPointsAttr().Get())[np.array(mesh.GetFaceVertexIndicesAttr().Get())].reshape(-1, 3, 3)
+        corners = np.array(mesh.GetPointsAttr().Get())[np.array(mesh.GetFaceVertexIndicesAttr().Get())].reshape(
+            -1, 3, 3
+        )
         known = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").ComputeFlattened()).reshape(-1, 3, 2)
         binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
         assert UsdGeom.Subset.ValidateFamily(mesh, UsdGeom.Tokens.face, "materialBind")[0]
