@@ -62,7 +62,7 @@ def test_parts_of_one_colour_are_together_the_surface(field: StepField) -> None:
 
 
 class Part(NamedTuple):
-    """A part of a surface, as a program reads it: corners (m, 3, 3) and texture coordinates (m, 3, 2), and its image."""
+    """A part of a surface as a program reads it: corners (m, 3, 3), their texture coordinates (m, 3, 2), and its image."""
 
     corners: np.ndarray
     coordinates: np.ndarray
@@ -139,7 +139,7 @@ def test_tops_and_sides_have_their_own_textures_a_tile_per_block(
     scene = compose(replace(RECIPES["one frame of another height"], look="wood"))
     field, parts = scene.field, read(scene, tmp_path)
     images = dict(zip(PARTS, map(pixels, map(io.BytesIO, textures("wood", scene.recipe.seed or 0))), strict=True))
-    area_of_tops = {name: 0.0 for name in parts}
+    area_of_tops = dict.fromkeys(parts, 0.0)
     for name, (corners, coordinates, image) in parts.items():
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
         upward = normals[:, 2] / np.linalg.norm(normals, axis=1)
