@@ -62,7 +62,7 @@ def test_parts_of_one_colour_are_together_the_surface(field: StepField) -> None:
 
 
 class Part(NamedTuple):
-    """A part of a surface as a program reads it: corners (m, 3, 3), their texture coordinates (m, 3, 2), and its image."""
+    """A part of a surface: corners (m, 3, 3), their texture coordinates (m, 3, 2), and its image."""
 
     corners: np.ndarray
     coordinates: np.ndarray
