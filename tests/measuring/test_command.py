@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import StepLimits
+from rsegen import Matrix, Recipe, StepLimits
 from rsegen.cli.edge import main
 from rsegen.field.traversability import traversability
 from rsegen.measuring.plots import path_plot
@@ -169,6 +169,28 @@ def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[s
     assert {
         int(level): count for level, count in told[2]["spread"]["level_counts"].items()
     } == expected.spread.level_counts
+
+
+@pytest.mark.parametrize("levels", [(0, 9), (9, 0)], ids=["first", "last"])
+def test_maps_with_and_without_a_way_have_the_same_columns(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, levels: tuple[int, int]
+) -> None:
+    for name, level in zip("ab", levels, strict=True):
+        wall = Recipe(
+            name=name,
+            seed=1,
+            chunk_size=4,
+            unit_cm=1,
+            boundary="none",
+            obstacles=[Matrix(rows=(f"{level} 0 0 {level}",) * 4)],
+        )
+        rsegen.generate(wall, tmp_path)
+    rows = list(csv.DictReader(io.StringIO(printed(capsys, tmp_path, "--robot", "burger", "--csv"))))
+    crosses = {row["map"]: row["reach.west_east.crosses"] for row in rows}
+    assert crosses == {f"{name}_0000": str(level == 0) for name, level in zip("ab", levels, strict=True)}
+    assert all(None not in row and None not in row.values() for row in rows)
+    lengths = {row["map"]: row["reach.west_east.length"] != "" for row in rows}
+    assert lengths == {name: said == "True" for name, said in crosses.items()}
 
 
 @pytest.mark.slow
