@@ -75,7 +75,7 @@ def pixels(image: Any) -> np.ndarray:
 
 def parts_of_glb(scene: Scene, folder: Path) -> dict[str, Part]:
     (content,) = made(Glb(), scene).values()
-    geometry = trimesh.load(io.BytesIO(content), file_type="glb", process=False).geometry
+    loaded: Any = trimesh.load(io.BytesIO(content), file_type="glb", process=False)
     upright = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
     return {
         name: Part(
@@ -83,7 +83,7 @@ def parts_of_glb(scene: Scene, folder: Path) -> dict[str, Part]:
             mesh.visual.uv[mesh.faces],
             pixels(mesh.visual.material.baseColorTexture),
         )
-        for name, mesh in geometry.items()
+        for name, mesh in loaded.geometry.items()
     }
 
 

@@ -60,9 +60,8 @@ def test_what_it_sees_is_in_its_own_frame(env: CrossingEnv) -> None:
     levels = build(RECIPE, 0).levels
     place, quaternion, velocity = np.array([0.23, -0.31, 0.55]), np.array([0.9, 0.2, -0.3, 0.25]), rng.normal(size=6)
     quaternion /= np.linalg.norm(quaternion)
-    turn = np.empty(9)
-    mujoco.mju_quat2Mat(turn, quaternion)
-    turn = turn.reshape(3, 3)
+    turn = np.empty((3, 3))
+    mujoco.mju_quat2Mat(turn.reshape(9), quaternion)
     angles, action = np.array([[0.1, 0.2]]), np.array([[0.3, 0.4, 0.5, 0.6]])
     state = np.concatenate([place, quaternion])[None]
     (seen,) = crossing.observe(state, velocity[None], angles, action, crossing.grid.ground(levels[None]))
