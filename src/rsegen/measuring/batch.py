@@ -58,11 +58,13 @@ def _spread(blocks: Ints, like: StepField) -> dict[str, Array]:
     n = blocks.shape[0] * blocks.shape[1]
     total = blocks.sum(axis=(0, 1), dtype=np.int64)
     squares = np.einsum("ijk,ijk->k", blocks, blocks, dtype=np.int64)
+    # In Python's integers, as of large maps of many levels this product has more than 64 bits.
+    varied = n * squares.astype(object) - total.astype(object) ** 2
     return {
         "spread.lowest": blocks.min(axis=(0, 1)) * like.unit,
         "spread.highest": blocks.max(axis=(0, 1)) * like.unit,
         "spread.mean": total / n * like.unit,
-        "spread.deviation": np.sqrt(n * squares - total**2) / n * like.unit,
+        "spread.deviation": np.sqrt(varied.astype(np.float64)) / n * like.unit,
     }
 
 
