@@ -8,6 +8,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -74,6 +75,15 @@ def test_a_page_begins_with_what_a_person_came_for(capsys: pytest.CaptureFixture
     _, west, south, *_ = printed(capsys, "peak", "--robot", "burger").splitlines()
     assert west.startswith("Predicted: the burger cannot cross west to east: it ")
     assert south.startswith("Predicted: the burger cannot cross south to north: it ")
+
+
+def test_a_page_tells_how_many_steps_can_be_climbed(capsys: pytest.CaptureFixture[str]) -> None:
+    field = rsegen.build(rsegen.load(PALLET))
+    steps = np.abs(np.concatenate([np.diff(field.blocks, axis=axis).ravel() for axis in (0, 1)])) * field.unit
+    climbed, descended = ((steps < limit + 1e-9).mean() for limit in (0.1, 0.2))
+    page = printed(capsys, PALLET, "--climb-cm", "10", "--drop-cm", "20")
+    assert 0 < climbed < descended
+    assert f"\nsteps    {climbed:.1%} can be climbed, {descended:.1%} can be descended\n" in page
 
 
 def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
