@@ -6,13 +6,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import CutSettings, Recipe
+from rsegen import CutSettings, Random, Recipe, build
 from rsegen.build_sheets.cut_settings import nanometres
-from rsegen.build_sheets.timber import CuttingPlan, frames, plan_cuts, together
+from rsegen.build_sheets.timber import CuttingPlan, frames, materials, plan_cuts, together
 from rsegen.errors import ParameterError
 
 CM = nanometres(1)
@@ -150,3 +151,26 @@ def test_frames_have_the_boards_of_their_boundary() -> None:
     assert frames(recipe, 5 * CM // 10) == {605 * CM // 10: 12, 405 * CM // 10: 12}
     equal = frames(Recipe(seed=1, boundary="outer", chunks=(1, 2), chunk_size=2, block_width_cm=7))
     assert equal == {28 * CM: 4}
+
+
+@pytest.mark.parametrize("boundary", ["none", "divided", "outer"])
+def test_blocks_and_frames_weigh_what_their_cells_hold(boundary: str) -> None:
+    recipe = Recipe(
+        seed=1,
+        chunks=(3, 2),
+        chunk_size=4,
+        boundary=boundary,
+        unit_cm=7,
+        frame_height_cm=12,
+        obstacles=[Random(levels=5)],
+    )
+    field, saw = build(recipe, 0), CutSettings(density=600)
+    needed = materials(field, recipe, saw)
+    of_cells = (
+        600 * field.block_width**2 * np.array([field.heights[~field.frame].sum(), field.heights[field.frame].sum()])
+    )
+    assert (needed.block_weight, needed.frame_weight) == pytest.approx(tuple(of_cells))
+    along_x, along_y = (
+        count * side for count, side in zip((3, 2) if needed.bases == 6 else (1, 1), needed.base, strict=True)
+    )
+    assert (along_x / 100 / CM, along_y / 100 / CM) == pytest.approx(field.extent)

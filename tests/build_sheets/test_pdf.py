@@ -14,6 +14,7 @@ import pytest
 from pypdf import PageObject, PdfReader
 
 from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
+from rsegen.build_sheets.document import pages
 from rsegen.build_sheets.timber import building_order, placing_order
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints
@@ -98,6 +99,20 @@ def test_it_is_a_page_of_a4_for_the_map_each_pallet_the_materials_and_a_form(nam
     assert len(pages) == 3 + recipe.chunks[0] * recipe.chunks[1]
     for page in pages:
         assert [float(side) / POINTS_A_MM for side in page.mediabox[2:]] == pytest.approx([210, 297], abs=0.01)
+
+
+@pytest.mark.slow
+def test_a_sheet_in_inches_is_on_letter_and_all_its_texts_are_within_the_margins() -> None:
+    recipe = Recipe(seed=2, units="in", unit_cm=3.81, block_width_cm=8.89, chunk_size=3, obstacles=BLOCKS)
+    for page, figure in zip(read(recipe).pages, pages(compose(recipe), CutSettings.default("in")), strict=True):
+        assert [float(side) / 72 for side in page.mediabox[2:]] == pytest.approx([8.5, 11], abs=1e-3)
+        figure.draw_without_rendering()
+        paper = figure.axes[0].transData.inverted()
+        drawn = [text.get_window_extent() for text in figure.axes[0].texts if text.get_text().strip()]
+        corners = paper.transform([corner for box in drawn for corner in (box.p0, box.p1)])
+        assert len(drawn) > 5
+        assert (corners.min(axis=0) >= 10).all()  # millimetres
+        assert (corners.max(axis=0) <= np.array([8.5, 11]) * 25.4 - 10).all()
 
 
 @EVERY

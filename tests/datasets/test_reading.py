@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Dataset, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
+from rsegen.field.traversability import percolation
 from rsegen.measuring.batch import COLUMNS
 from rsegen.measuring.catalogue import flattened, nested
 from tests.support.complaints import exit_code, the_line
@@ -60,6 +61,7 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
     several: list[Any] = [slice(3, 9), slice(None, None, -3), slice(30, 40), [5, 0, 17, 5], np.array([-1, 4])]
     for places in [*several, every[:, 0, 0] > 1]:
         assert np.array_equal(dataset[places], every[places])
+        assert dataset[places].dtype == np.uint8
     assert np.array_equal(dataset[-1], every[-1])
     assert dataset[[]].shape == (0, 8, 12)
     for wrong in ([0.5], [[1]], [True, False]):
@@ -136,6 +138,14 @@ def test_tiles_by_a_metric_of_a_robot_can_be_crossed_by_it(dataset: Dataset) -> 
     assert 6 <= len(every) < 20
     assert found.difficulty.ravel().tolist() == pytest.approx([every[int(place)] for place in found.places.ravel()])
     assert found.difficulty[0, 0] == pytest.approx(min(every.values()))
+
+
+def test_tiles_by_the_climb_that_a_way_needs_are_of_the_width_of_the_robot(dataset: Dataset) -> None:
+    robot = rsegen.StepLimits(climb_cm=10, width_cm=25)
+    found = dataset.tiles(2, 3, by="opening.west_east", robot=robot)
+    climbs = [percolation(dataset.field(int(place)), 0.25).west_east for place in found.places.ravel()]
+    assert found.difficulty.ravel().tolist() == pytest.approx(climbs)
+    assert climbs != pytest.approx(dataset.metrics["opening.west_east"][found.places.ravel()].tolist())
 
 
 def test_rows_are_nearest_to_evenly_spaced_values(dataset: Dataset) -> None:

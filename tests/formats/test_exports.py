@@ -14,12 +14,14 @@ import rsegen
 from rsegen import Recipe, Scene, export_maps
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError, WriteError
 from rsegen.formats.arrays import Arrays
+from rsegen.formats.exports import plan_exports
 from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
 from rsegen.writing import resources, swap, undo
 from rsegen.writing.journal import OpenJournal
+from rsegen.writing.plan import OnExisting
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 
@@ -165,6 +167,30 @@ def test_a_damaged_list_of_formats_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"rse_0001/formats.json: is damaged"):
         export_maps([RECIPE], tmp_path, [Occupancy()], force=True)
     assert snapshot(tmp_path) == before
+
+
+def test_resume_writes_a_format_anew_that_lost_a_file(tmp_path: Path) -> None:
+    export_maps([RECIPE], tmp_path, [Heightmap(), Occupancy()])
+    before = contents(tmp_path)
+    (tmp_path / "rse_0001" / "heightmap" / "heightmap.json").unlink()
+    (again,) = export_maps([RECIPE], tmp_path, [Heightmap(), Occupancy()], resume=True)
+    assert again.folder.name == "rse_0001"
+    assert not any("occupancy" in name for name in again.names)
+    assert contents(tmp_path) == before
+
+
+def test_a_plan_refuses_what_would_be_lost_before_a_map_is_made(tmp_path: Path) -> None:
+    other = replace(RECIPE, seed=5)
+    for name, file, recipe, chosen in (
+        ("list", "formats.json", RECIPE, Occupancy()),  # valid, so that the format could be added to it
+        ("map", "heightmap/heightmap.json", other, Heightmap()),
+    ):
+        export_maps([RECIPE], tmp_path / name, [Heightmap()])
+        plan_exports([recipe], tmp_path / name, [chosen], OnExisting.REPLACE)
+        with (tmp_path / name / "rse_0001" / file).open("ab") as changed:
+            changed.write(b" ")
+        with pytest.raises(OutputError, match=rf"rse_0001/{file}: was changed after rsegen wrote it"):
+            plan_exports([recipe], tmp_path / name, [chosen], OnExisting.REPLACE)
 
 
 @pytest.mark.parametrize("force", [False, True])

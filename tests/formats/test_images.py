@@ -53,6 +53,7 @@ def test_every_pixel_of_a_heightmap_is_its_cell_s_height(scene: Scene, pixels: i
     assert said["largest_error_m"] <= said["metres_per_grey"] / 2
     assert np.array(expected.shape) * said["metres_per_pixel"] == pytest.approx(field.extent)
     assert said["lower_left_corner_m"] == [-side / 2 for side in field.extent]
+    assert said["white_m"] == pytest.approx(65535 * said["metres_per_grey"])
 
 
 @SCENE

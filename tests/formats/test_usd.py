@@ -59,6 +59,7 @@ def test_a_ray_from_above_meets_every_cell_at_its_height(binary: bool, scene: Sc
     np.testing.assert_array_equal(seen.astype(np.float32), field.heights.astype(np.float32))
     assert found.is_watertight
     assert found.volume == pytest.approx(field.heights.sum() * field.block_width**2, rel=1e-5)
+    np.testing.assert_array_equal(surface(stage).GetExtentAttr().Get(), found.bounds)  # by which viewers find it
 
 
 @BINARY
@@ -145,7 +146,9 @@ def test_every_level_and_the_frame_have_faces_of_their_colour(scene: Scene, tmp_
         name = subset.GetPrim().GetName()
         assert material.GetPrim().GetName() == name
         colour = srgb_to_linear(scene.colour(int(name.removeprefix("level_") if name != "frame" else 0)))
-        np.testing.assert_allclose(material.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get(), colour, rtol=1e-6)
+        shader = material.ComputeSurfaceSource()[0]
+        np.testing.assert_allclose(shader.GetInput("diffuseColor").Get(), colour, rtol=1e-6)
+        assert shader.GetInput("roughness").Get() == 1  # of 0..1, without gloss
         np.testing.assert_allclose(shown[faces], np.tile(colour, (len(faces), 1)), rtol=1e-6)
         found[name] = area[faces][upward[faces]].sum() / field.block_width**2
     cells = {f"level_{level}": count for level, count in field.level_counts().items() if level}

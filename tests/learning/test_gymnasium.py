@@ -151,6 +151,7 @@ def test_an_environment_has_a_new_field_at_each_reset() -> None:
         assert height == pytest.approx(0.05 * rsegen.build(RECIPE, info["map"]).levels[10, 10], abs=0.001)
     assert env.reset(options={"map": 17})[1]["map"] == 17
     assert np.array_equal(env.ground.levels, rsegen.build(RECIPE, 17).levels)
+    assert env.reset(seed=5, options={"of": "another"})[1]["map"] == seen[0][1]["map"]
 
 
 @pytest.mark.parametrize("index", [-1, 1.5, "17", None])

@@ -41,18 +41,21 @@ def from_above(model: Any, x: Any, y: Any) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("border", [0, 3])
-def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: int) -> None:
-    floor = adapter.Floor(RECIPE, border=border, spawn_radius=0.3)
+@pytest.mark.parametrize(("border", "ground_level"), [(0, 0), (3, 2)])
+def test_the_floor_is_the_field_below_the_highest_block_near_the_middle(border: int, ground_level: int) -> None:
+    recipe = replace(RECIPE, ground_level=ground_level)
+    floor = adapter.Floor(recipe, border=border, spawn_radius=0.3)
     model = mujoco.MjModel.from_xml_string(floor.scene(PLANE))
-    field, first = floor.field(rsegen.build(RECIPE).levels), model.hfield_data.copy()
-    assert field.shape == (20 + 2 * border, 20 + 2 * border)
+    levels = np.full((20 + 2 * border, 20 + 2 * border), ground_level)
+    levels[border : border + 20, border : border + 20] = rsegen.build(recipe).levels
+    field, first = floor.field(rsegen.build(recipe).levels), model.hfield_data.copy()
+    assert np.array_equal(field.levels, levels)
     near = field.heights[border + 6 : border + 14, border + 6 : border + 14]  # with those that slope into 0.3 m
     assert len(np.unique(near)) == 5
     assert from_above(model, *field.middles()) == pytest.approx(field.heights - near.max(), abs=1e-6)
     assert model.geom("floor").friction[0] == RECIPE.friction
     # Maps of worlds are written into the compiled model.
-    others = rsegen.build_many(RECIPE, [3, 4])
+    others = rsegen.build_many(recipe, [3, 4])
     for levels, data, z in zip(others, *floor.arrays(others), strict=True):
         model.hfield_data[:], model.geom("floor").pos[2] = data, z
         field = floor.field(levels)

@@ -114,12 +114,17 @@ def test_each_tile_lies_round_its_origin_with_flat_ground_between(
     assert field.shape == (rows * 10 + (rows - 1) * gap + 2 * border, columns * 10 + (columns - 1) * gap + 2 * border)
 
 
-def test_frames_are_blocks_of_their_height() -> None:
-    framed = replace(ROUGH, boundary="divided", frame_height_cm=10, chunks=(2, 1))
+@pytest.mark.parametrize(
+    ("unit_cm", "frame_height_cm"),
+    [(5, 10), (3.81, 11.43), (0.1, 0.3)],
+    ids=["centimetres", "inches", "millimetres"],  # of which the latter two are no multiples as floats
+)
+def test_frames_are_blocks_of_their_height(unit_cm: float, frame_height_cm: float) -> None:
+    framed = replace(ROUGH, boundary="divided", unit_cm=unit_cm, frame_height_cm=frame_height_cm, chunks=(2, 1))
     terrain = Terrain(recipes=framed, rows=1, columns=2, difficulty=(1, 1), border=0)
     field = rsegen.build(framed, 1)
     assert terrain.levels.shape == (1, 2, *field.shape)
-    assert np.allclose(terrain.levels[0, 1] * 0.05, field.heights)
+    assert np.allclose(terrain.levels[0, 1] * (unit_cm / 100), field.heights)
 
 
 def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
@@ -229,6 +234,14 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ),
         ({"recipes": replace(ROUGH, difficulty=(0, 1))}, r"recipes\[0\].difficulty: .* is a range"),
         ({"recipes": replace(ROUGH, boundary="outer", frame_height_cm=7)}, r"frame_height_cm: 7 is no multiple"),
+        (
+            {"recipes": replace(ROUGH, boundary="outer", unit_cm=0.001, frame_height_cm=100)},
+            r"frame_height_cm: 100 cm are 100,000 units, above the highest level, 32766",
+        ),
+        (
+            {"recipes": [replace(ROUGH, obstacles=[Peak(levels=32700)]), replace(HILL, ground_level=100)]},
+            r"recipes\[0\]\.ground_level: 0: tiles are raised to 100, and blocks of 32699 are then above",
+        ),
         (
             {"recipes": replace(ROUGH, boundary="outer", frame_height_cm=10, frame_friction=0.1)},
             r"recipes\[0\]\.frame_friction: 0\.1 acts on no tile, whose frames are blocks like others; leave it out",

@@ -39,15 +39,17 @@ def test_large_maps_open_at_the_same_step_one_by_one(monkeypatch: pytest.MonkeyP
     assert all(np.array_equal(at_once[name], one_by_one[name]) for name in COLUMNS)
 
 
+def test_a_large_map_of_many_levels_has_its_deviation() -> None:
+    """Half of its blocks are at the highest level; their squares times the blocks have more than 64 bits."""
+    levels = np.zeros((2, 450, 450), dtype=np.int16)
+    levels[:, :225] = 32766
+    frame = np.zeros(levels.shape[1:], dtype=bool)
+    like = rsegen.StepField(levels=levels[0], frame=frame, block_width=0.1, unit=0.01, frame_height=0.0)
+    assert batch_metrics(levels, like)["spread.deviation"] == pytest.approx([163.83] * 2, rel=1e-6)
+
+
 def test_a_block_alone_has_no_steps() -> None:
     table = batch_metrics(np.ones((2, 1, 1), dtype=np.uint8), rsegen.build(Recipe(seed=0, chunk_size=1)))
     assert np.isnan(table["steps.rms"]).all()
     assert np.isnan(table["ruggedness.tri"]).all()
     assert table["opening.west_east"].tolist() == pytest.approx([0.1, 0.1])
-
-
-def test_the_deviation_of_a_million_blocks_of_many_levels_needs_more_than_64_bits() -> None:
-    like = rsegen.build(Recipe(seed=0, chunk_size=1000, boundary="none", unit_cm=1))
-    levels = np.zeros((1, 1000, 1000), dtype=np.int16)
-    levels[:, 500:] = 30_000
-    assert batch_metrics(levels, like)["spread.deviation"].tolist() == pytest.approx([150.0])

@@ -8,11 +8,12 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import StepLimits
+from rsegen import Matrix, Recipe, StepLimits
 from rsegen.cli.edge import main
 from rsegen.field.traversability import traversability
 from rsegen.measuring.plots import path_plot
@@ -74,6 +75,15 @@ def test_a_page_begins_with_what_a_person_came_for(capsys: pytest.CaptureFixture
     _, west, south, *_ = printed(capsys, "peak", "--robot", "burger").splitlines()
     assert west.startswith("Predicted: the burger cannot cross west to east: it ")
     assert south.startswith("Predicted: the burger cannot cross south to north: it ")
+
+
+def test_a_page_tells_how_many_steps_can_be_climbed(capsys: pytest.CaptureFixture[str]) -> None:
+    field = rsegen.build(rsegen.load(PALLET))
+    steps = np.abs(np.concatenate([np.diff(field.blocks, axis=axis).ravel() for axis in (0, 1)])) * field.unit
+    climbed, descended = ((steps < limit + 1e-9).mean() for limit in (0.1, 0.2))
+    page = printed(capsys, PALLET, "--climb-cm", "10", "--drop-cm", "20")
+    assert 0 < climbed < descended
+    assert f"\nsteps    {climbed:.1%} can be climbed, {descended:.1%} can be descended\n" in page
 
 
 def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
@@ -169,6 +179,28 @@ def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[s
     assert {
         int(level): count for level, count in told[2]["spread"]["level_counts"].items()
     } == expected.spread.level_counts
+
+
+@pytest.mark.parametrize("levels", [(0, 9), (9, 0)], ids=["first", "last"])
+def test_maps_with_and_without_a_way_have_the_same_columns(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, levels: tuple[int, int]
+) -> None:
+    for name, level in zip("ab", levels, strict=True):
+        wall = Recipe(
+            name=name,
+            seed=1,
+            chunk_size=4,
+            unit_cm=1,
+            boundary="none",
+            obstacles=[Matrix(rows=(f"{level} 0 0 {level}",) * 4)],
+        )
+        rsegen.generate(wall, tmp_path)
+    rows = list(csv.DictReader(io.StringIO(printed(capsys, tmp_path, "--robot", "burger", "--csv"))))
+    crosses = {row["map"]: row["reach.west_east.crosses"] for row in rows}
+    assert crosses == {f"{name}_0000": str(level == 0) for name, level in zip("ab", levels, strict=True)}
+    assert all(None not in row and None not in row.values() for row in rows)
+    lengths = {row["map"]: row["reach.west_east.length"] != "" for row in rows}
+    assert lengths == {name: said == "True" for name, said in crosses.items()}
 
 
 @pytest.mark.slow

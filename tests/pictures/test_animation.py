@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 
 import numpy as np
 from PIL import Image
@@ -64,6 +65,32 @@ def test_what_has_not_changed_is_not_encoded_again() -> None:
         moving.add(frame)
     assert len(moving.file()) < 2 * len(still.file())
     assert len(read(moving.file())) == 20
+
+
+def chunks(content: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Name and content of each chunk of a RIFF file, padded to even lengths."""
+    while content:
+        length = int.from_bytes(content[4:8], "little")
+        yield content[:4], content[8 : 8 + length]
+        content = content[8 + length + length % 2 :]
+
+
+def test_the_place_and_size_of_each_frame_are_those_of_its_picture() -> None:
+    """As the container says them: 24 bits each of x / 2, y / 2, width - 1 and height - 1."""
+    animation = Animation(milliseconds=80)
+    for left, top in ((0, 3), (7, 10), (81, 48), (80, 47)):
+        animation.add(square(left, top))
+    ((name, file),) = chunks(animation.file())
+    assert name == b"RIFF"
+    places = []
+    for content in (content for name, content in chunks(file[4:]) if name == b"ANMF"):
+        x, y, width, height = (int.from_bytes(content[at : at + 3], "little") for at in range(0, 12, 3))
+        with Image.open(
+            io.BytesIO(b"RIFF" + (len(content) - 12).to_bytes(4, "little") + b"WEBP" + content[16:])
+        ) as still:
+            assert still.size == (width + 1, height + 1)
+        places.append((2 * x, 2 * y, 2 * x + width + 1, 2 * y + height + 1))
+    assert places == [(0, 0, 97, 64), (0, 2, 23, 26), (6, 10, 97, 64), (80, 46, 97, 64)]
 
 
 def test_one_frame_is_an_animation_too() -> None:

@@ -8,7 +8,7 @@ import pytest
 from rsegen import Random, Recipe, compose
 from rsegen.driving.filming import shapes_of_map
 from rsegen.field.stepfield import Array
-from rsegen.pictures.camera import Camera, Pixels, Triangles, View, south_west_of
+from rsegen.pictures.camera import Camera, Pixels, Triangles, View, _pixels, south_west_of
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.visuals import visuals
 
@@ -112,3 +112,18 @@ def test_nothing_is_seen_between_two_triangles(side: int) -> None:
     nothing = Triangles.joined([])
     pixels = View(camera, nothing, 1.0, (0.5, 0.5, 0.5)).picture(nothing)
     assert len(np.unique(pixels.reshape(-1, 3), axis=0)) == 1
+
+
+def test_a_triangle_has_the_pixels_whose_middles_are_in_it() -> None:
+    """By the shares of its three corners, of which nearness is the same mean."""
+    rng, (high, wide) = np.random.default_rng(3), (40, 60)
+    corners = rng.uniform((-10, -10, 0.1), (wide + 10, high + 10, 1), (50, 3, 3))
+    y, x = np.mgrid[:high, :wide] + 0.5
+    for triangle in corners:
+        sides = np.linalg.inv(np.vstack([triangle[:, :2].T, np.ones(3)]))
+        shares = np.einsum("ij,j...->i...", sides, np.array([x, y, np.ones_like(x)]))
+        expected = np.where((shares >= 0).all(axis=0), np.einsum("i...,i", shares, triangle[:, 2]), 0)
+        drawn = np.zeros((high, wide))
+        for at, nearness, _ in _pixels(triangle[None], (high, wide)):
+            drawn.ravel()[at] = nearness
+        np.testing.assert_allclose(drawn, expected, atol=1e-9)

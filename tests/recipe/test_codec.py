@@ -36,6 +36,16 @@ def test_recipes_round_trip_through_files(
     assert rsegen.load(path) == recipe
 
 
+def test_a_file_for_people_has_the_keys_that_were_given_alone(tmp_path: Path) -> None:
+    """A derived key would keep the draw of a row whose parameters somebody changes in the file."""
+    path = tmp_path / "recipe.yaml"
+    rsegen.save(Recipe(seed=1, obstacles=[Random(levels=3), Random(levels=4, key="mine")]), path)
+    text = path.read_text("utf-8")
+    assert [line for line in text.splitlines() if "key" in line] == ["- {kind: random, levels: 4, key: mine}"]
+    path.write_text(text.replace("levels: 3", "levels: 5"), "utf-8")
+    assert rsegen.load(path) == Recipe(seed=1, obstacles=[Random(levels=5), Random(levels=4, key="mine")])
+
+
 @pytest.mark.slow
 @given(recipes())
 @settings(max_examples=10)

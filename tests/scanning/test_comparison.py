@@ -46,6 +46,14 @@ def test_a_cell_that_was_not_seen_is_neither_right_nor_wrong(field: StepField) -
     assert not found.is_equal
 
 
+def test_a_block_width_that_was_calculated_is_the_one_that_was_given() -> None:
+    """As floats 8.9 cm are 0.08900000000000001 m."""
+    wanted = rsegen.build(Recipe(seed=1, chunk_size=3, block_width_cm=8.9), 0)
+    stands = replace(wanted, block_width=0.089)
+    assert stands.block_width != wanted.block_width
+    assert rsegen.compare(stands, wanted).comparison.is_equal
+
+
 def test_other_sizes_and_other_blocks_are_refused(field: StepField) -> None:
     smaller = rsegen.build(Recipe(seed=1, chunk_size=5), 0)
     with pytest.raises(ParameterError, match=r"^the maps have 7 x 7 and 12 x 6 cells"):

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
+from xml.etree import ElementTree
 
 import pytest
 
@@ -14,6 +15,7 @@ from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.poses import Pose
+from rsegen.spawning.map_models import map_of
 from rsegen.spawning.placement import SpawnedMap
 from rsegen.spawning.spawning import _given_or_next, spawn_map
 from tests.simulators.transport import connected_to
@@ -45,6 +47,15 @@ def test_a_scene_is_spawned_with_its_own_blocks(sim_address: Mapping[str, str], 
     scene = rsegen.compose(COURSE, 2)
     assert rsegen.spawn(scene, output=tmp_path / "own", simulator="sim").name == "course_0002"
     assert (tmp_path / "own" / "course_0002" / "recipe.json").is_file()
+
+
+def test_a_folder_of_any_name_is_in_the_model_that_is_sent(tmp_path: Path) -> None:
+    output = tmp_path / "R&D <1>"
+    output.mkdir()
+    model = map_of(replace(COURSE, obstacles=[rsegen.Random(levels=3)]), None, output)
+    uris = {uri.text for uri in ElementTree.fromstring(model.sdf("track")).iter("uri")}
+    assert uris
+    assert all(Path(uri or "").is_relative_to(output / "course_0000") and Path(uri or "").is_file() for uri in uris)
 
 
 def test_the_map_of_another_recipe_is_replaced(sim_address: Mapping[str, str]) -> None:

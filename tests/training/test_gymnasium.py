@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Random, Recipe
+from rsegen import Random, Recipe, build
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array
 
@@ -50,6 +50,44 @@ def test_a_copy_for_another_process_is_the_same_environment(env: CrossingEnv) ->
     action = np.array([EAST, 0.1, REST, REST])
     for _ in range(3):
         assert np.array_equal(again.step(action)[0], env.step(action)[0])
+
+
+def test_what_it_sees_is_in_its_own_frame(env: CrossingEnv) -> None:
+    """Turned anyhow, by MuJoCo's own rotations; the ground next to it by the level of the cell under each point."""
+    import mujoco
+
+    crossing, rng = env.crossing, np.random.default_rng(5)
+    levels = build(RECIPE, 0).levels
+    place, quaternion, velocity = np.array([0.23, -0.31, 0.55]), np.array([0.9, 0.2, -0.3, 0.25]), rng.normal(size=6)
+    quaternion /= np.linalg.norm(quaternion)
+    turn = np.empty((3, 3))
+    mujoco.mju_quat2Mat(turn.reshape(9), quaternion)
+    angles, action = np.array([[0.1, 0.2]]), np.array([[0.3, 0.4, 0.5, 0.6]])
+    state = np.concatenate([place, quaternion])[None]
+    (seen,) = crossing.observe(state, velocity[None], angles, action, crossing.grid.ground(levels[None]))
+    points, yaw = len(crossing.pattern), np.arctan2(turn[1, 0], turn[0, 0])
+    rest = [
+        *turn[2],
+        *(turn.T @ velocity[:3]),
+        *velocity[3:],
+        *(np.sin(yaw), np.cos(yaw), place[1] / 0.5, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6),
+    ]
+    assert seen[points:] == pytest.approx(rest)
+    along, across = crossing.pattern.T
+    x = place[0] + np.cos(yaw) * along - np.sin(yaw) * across
+    y = place[1] + np.sin(yaw) * along + np.cos(yaw) * across
+    i, j = np.floor(x / 0.1 + 10).astype(int), np.floor(y / 0.1 + 5).astype(int)
+    is_on_it = (i >= 0) & (i < 20) & (j >= 0) & (j < 10)
+    heights = np.where(is_on_it, 0.05 * levels[np.clip(i, 0, 19), np.clip(j, 0, 9)], 0)
+    assert is_on_it.mean() > 0.2
+    assert seen[:points] == pytest.approx(np.clip(heights - place[2], -0.5, 0.5) / 0.5)
+
+
+def test_it_sees_the_ground_under_it_and_on_all_sides(env: CrossingEnv) -> None:
+    body, pattern = env.crossing.driven.body_or_box, env.crossing.pattern
+    beyond = np.array([*(body.low[:2] - pattern.min(axis=0)), *(pattern.max(axis=0) - body.high[:2])])
+    assert beyond == pytest.approx([0.0, 0.1, 0.8, 0.1])  # behind, right, ahead, left
+    assert np.diff(np.unique(pattern[:, 0].round(6))).max() < RECIPE.block_width_cm / 100
 
 
 def test_it_crosses_low_blocks_and_touches_them(env: CrossingEnv) -> None:

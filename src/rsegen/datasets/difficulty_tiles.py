@@ -23,6 +23,7 @@ import numpy as np
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Levels
 from rsegen.measuring.catalogue import Metric
+from rsegen.params.sorts import MOST_LEVELS, NANOMETRES
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
@@ -32,8 +33,13 @@ def check_tile(recipe: Recipe) -> None:
     if isinstance(recipe.difficulty, tuple):
         given = shown(list(recipe.difficulty))
         raise ParameterError("difficulty", f"{given} is a range, and tiles have their own; use one number")
-    if recipe.boundary != "none" and recipe.frame_height_cm % recipe.unit_cm:
-        problem = f"{recipe.frame_height_cm:g} is no multiple of the unit, {recipe.unit_cm:g}"
+    frame = recipe.frame_height_cm
+    # Lengths that differ by less than a nanometre are equal: of floats 11.43 % 3.81 is 3.81.
+    if recipe.boundary != "none" and round(abs(frame - _frame_level(recipe) * recipe.unit_cm) * NANOMETRES / 100):
+        problem = f"{frame:g} is no multiple of the unit, {recipe.unit_cm:g}"
+        raise ParameterError("frame_height_cm", f"{problem}; the frames of a tile are blocks like others")
+    if top_of_tile(recipe) >= MOST_LEVELS:
+        problem = f"{frame:g} cm are {_frame_level(recipe):,} units, above the highest level, {MOST_LEVELS - 1}"
         raise ParameterError("frame_height_cm", f"{problem}; the frames of a tile are blocks like others")
     if recipe.boundary != "none" and recipe.frame_friction is not None and not recipe.is_of_one_friction:
         problem = f"{recipe.frame_friction:g} acts on no tile, whose frames are blocks like others"
@@ -51,11 +57,19 @@ def eased(recipe: Recipe, share: float) -> Recipe:
     return replace(recipe, difficulty=float(share) * recipe.difficulty)  # type: ignore[operator]  # one number
 
 
+def top_of_tile(recipe: Recipe) -> int:
+    """Return the largest level that any cell of a tile may have, frames counted."""
+    return recipe.highest_level if recipe.boundary == "none" else max(recipe.highest_level, _frame_level(recipe))
+
+
 def tile_levels(recipe: Recipe, index: int) -> Levels:
     """Return the levels of the cells of map `index`, frames as blocks of their height: (n_x, n_y)."""
     field = build(recipe, index)
-    frame = round(recipe.frame_height_cm / recipe.unit_cm)
-    return np.where(field.frame, np.int16(frame), field.levels).astype(np.int16)
+    return np.where(field.frame, np.int16(_frame_level(recipe)), field.levels).astype(np.int16)
+
+
+def _frame_level(recipe: Recipe) -> int:
+    return round(recipe.frame_height_cm / recipe.unit_cm)
 
 
 def refuse_unlike(recipes: Sequence[Recipe], names: Iterable[str]) -> None:

@@ -27,6 +27,7 @@ from rsegen.datasets.difficulty_tiles import (
     share_of,
     span_of,
     tile_levels,
+    top_of_tile,
 )
 from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.crossing import SIDE, CrossingModel
@@ -35,7 +36,7 @@ from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.catalogue import RMS, By, metric_by
 from rsegen.obstacles.matrix import Matrix
-from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
+from rsegen.params.sorts import MOST_LEVELS, NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe, as_recipes
 from rsegen.scene.contact import CONTACT
@@ -103,6 +104,10 @@ class Terrain(TerrainDesign):
                     sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, first))
                     raise ParameterError("", f"tiles of {sides} cells with their frames; use recipes of one size")
                 check_tile(recipe)
+                if (top := top_of_tile(recipe)) + self._raised(recipe) >= MOST_LEVELS:
+                    raised = f"tiles are raised to {self._ground}, and blocks of {top}"
+                    problem = f"{recipe.ground_level}: {raised} are then above the highest level, {MOST_LEVELS - 1}"
+                    raise ParameterError("ground_level", f"{problem}; use one ground_level for all")
         metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:

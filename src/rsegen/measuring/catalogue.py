@@ -102,11 +102,14 @@ def nested(value: Any) -> Any:
 
 
 def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the scalar values of nested metrics by dotted name, as in `steps.mean`; without counts and lists."""
+    """Yield the scalar values of nested metrics by dotted name, as in `steps.mean`; without counts, lists and places.
+
+    A place (`at`, `margin_at`) is a list, or None on maps that have none, which all have the same names here.
+    """
     for name, value in entries.items():
         if isinstance(value, dict) and not name.endswith("counts"):
             yield from flattened(value, f"{prefix}{name}.")
-        elif not isinstance(value, (dict, list)):
+        elif not isinstance(value, (dict, list)) and name.rpartition("_")[2] != "at":
             yield f"{prefix}{name}", value
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 _FEW_WRONG = 0.5
 """Share of wrong cells below which two maps are taken for the same one, turned: unrelated fields of five levels
@@ -69,7 +70,7 @@ def compared(stands: StepField, wanted: StepField) -> Comparison:
     if wanted.shape not in shapes:
         sizes = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (stands.shape, wanted.shape))
         raise ParameterError("", f"the maps have {sizes} cells, frames counted; use maps of one size")
-    if stands.block_width != wanted.block_width:
+    if round(stands.block_width - wanted.block_width, NANOMETRE_DIGITS):
         widths = " and ".join(f"{field.block_width * 100:g}" for field in (stands, wanted))
         raise ParameterError("", f"the blocks are {widths} cm wide; use maps of equal blocks")
     # Of the turns that fit (two, or four of a square field) the one with the fewest wrong cells, if these are few.

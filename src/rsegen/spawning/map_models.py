@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 from rsegen.errors import OutputError, ParameterError, RsegenError
 from rsegen.field.stepfield import StepField
@@ -58,7 +59,7 @@ class MapModel:
             write_world(self.scene, self.folder.parent)
         text = text_of(self.folder / "model.sdf", _MAX_MODEL_MIB, "a model")
         renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
-        return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
+        return renamed.replace(f"model://{self.name}/", escape(f"{self.folder.resolve()}/"))
 
 
 def map_model(recipe: Recipe, output: Path, scene: Scene | None = None) -> MapModel:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import product
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ from rsegen.gazebo.constraint_report import block_warnings, constraint_report, d
 from rsegen.params.streams import generator
 from rsegen.pictures.preview import preview
 from rsegen.recipe.constraints import meeting
-from rsegen.recipe.constraints.inventory import fitted_to_inventory
+from rsegen.recipe.constraints.inventory import fitted_to_inventory, nearest_blocks
 from rsegen.recipe.constraints.meeting import crossing_caps
 from rsegen.recipe.inventory_file import inventory_in
 from rsegen.robots.base import ROBOTS
@@ -116,6 +117,27 @@ def test_no_hole_is_made_while_a_block_is_left_and_levels_are_the_nearest(
     if designed.any():
         nearer = np.where(apart < differences.max(), apart, 10**6)
         assert nearer[linear_sum_assignment(nearer)].sum() > least
+
+
+def _differences(wished: tuple[int, ...], used: tuple[int, ...]) -> tuple[int, int]:
+    """The sum and the largest of the differences between cells and blocks, both in the order of their levels."""
+    cells, blocks = (np.repeat(np.arange(len(counts)), counts) for counts in (wished, used))
+    apart = np.abs(cells - blocks)
+    return int(apart.sum()), int(apart.max())
+
+
+@pytest.mark.parametrize(
+    ("wished", "given_blocks"), [((1, 0, 2, 1, 0), (3, 1, 0, 1, 2)), ((0, 1, 2, 2, 0, 0), (3, 0, 1, 1, 2, 3))]
+)
+def test_of_equal_sums_the_one_of_the_least_largest_difference_is_taken(
+    wished: tuple[int, ...], given_blocks: tuple[int, ...]
+) -> None:
+    """Of all counts of blocks that there are; fields that are drawn seldom have such a choice."""
+    every = product(*(range(count + 1) for count in given_blocks))
+    sums = {_differences(wished, used) for used in every if sum(used) == sum(wished)}
+    least = min(sums)
+    assert any(one[0] == least[0] and one[1] > least[1] for one in sums)
+    assert _differences(wished, tuple(nearest_blocks(np.array(wished), np.array(given_blocks)))) == least
 
 
 @pytest.mark.parametrize(
