@@ -11,6 +11,7 @@ import pytest
 
 from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.robots.drives import BACKENDS, Tracks, Wheels
+from rsegen.robots.files.motors import frictions
 from rsegen.robots.files.sdf_file import SdfRobot, from_file
 from rsegen.robots.files.sdf_shapes import ModelFrames
 from tests.robots import tracked_and_legged
@@ -460,8 +461,15 @@ def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
 
 @pytest.mark.parametrize("mu", ["rubber", " ", "1 1", "nan"])
 def test_a_friction_that_is_no_number_is_refused(tmp_path: Path, mu: str) -> None:
-    with pytest.raises(FileError, match=r"mine\.sdf: <mu> of what it drives on: .* is not a number within a million"):
+    with pytest.raises(FileError, match=r"mine\.sdf: <mu> of what it drives on: .* is not a number"):
         read(tmp_path, two_wheels().replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
+
+
+@pytest.mark.parametrize("mu", ["1e16", "inf", "100000000"])
+def test_wheels_that_are_not_to_slip_have_any_friction(tmp_path: Path, mu: str) -> None:
+    robot = read(tmp_path, two_wheels(ROS_1).replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
+    frames = ModelFrames(ElementTree.fromstring(robot.model("m")), "m")
+    assert frictions(robot.drive, frames) == [float(mu)] * 2
 
 
 def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -229,17 +229,21 @@ def run_dataset(arguments: argparse.Namespace) -> Report:
     else:
         dataset = _made(arguments)
         words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
-    return Report(lines=[_described(dataset), *_repeated(dataset), words], content=lambda: _content(dataset))
+    distinct = {recipe.name: dataset.distinct(recipe.name) for recipe in dataset.recipes}
+    lines = [_described(dataset), *_repeated(distinct), words]
+    return Report(lines=lines, content=lambda: _content(dataset, distinct))
 
 
-def _repeated(dataset: Dataset) -> Iterator[str]:
-    """Yield a line for each recipe that makes the same map again, as one set of its maps then holds maps of another."""
-    for recipe in dataset.recipes:
-        distinct, compared = dataset.distinct(recipe.name)
-        if distinct < compared:
+def _repeated(distinct: Mapping[str, tuple[int, int]]) -> Iterator[str]:
+    """Yield a line for each recipe that makes the same map again, as one set of its maps then holds maps of another.
+
+    distinct: by the name of a recipe, how many different maps there are among how many that were compared
+    """
+    for name, (different, compared) in distinct.items():
+        if different < compared:
             yield (
-                f"note: {distinct:,} of the first {compared:,} maps of {recipe.name} are different; other seeds and "
-                "indices make the same maps too"
+                f"note: {different:,} of the first {compared:,} maps of {name} are different; other seeds and indices "
+                "make the same maps too"
             )
 
 
@@ -273,10 +277,9 @@ def _made(arguments: argparse.Namespace) -> Dataset:
         return call(make_dataset, arguments, recipes, **options, progress=progress)
 
 
-def _content(dataset: Dataset) -> dict[str, object]:
+def _content(dataset: Dataset, distinct: Mapping[str, tuple[int, int]]) -> dict[str, object]:
     names = ("name", "seed", "maps")
     recipes = [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]
-    compared = {recipe.name: dataset.distinct(recipe.name) for recipe in dataset.recipes}
     return {
         "folder": str(dataset.folder),
         **({"recipes": recipes} if recipes[1:] else {"seed": dataset.recipe.seed}),
@@ -286,7 +289,7 @@ def _content(dataset: Dataset) -> dict[str, object]:
         "metrics": dataset.layout.metrics,
         "shards": len(dataset.shards),
         "bytes": dataset.bytes,
-        "distinct": {name: {"maps": of, "different": count} for name, (count, of) in compared.items()},
+        "distinct": {name: {"maps": of, "different": count} for name, (count, of) in distinct.items()},
     }
 
 
