@@ -461,15 +461,18 @@ def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
 
 @pytest.mark.parametrize("mu", ["rubber", " ", "1 1", "nan"])
 def test_a_friction_that_is_no_number_is_refused(tmp_path: Path, mu: str) -> None:
-    with pytest.raises(FileError, match=r"mine\.sdf: <mu> of what it drives on: .* is not a number"):
+    with pytest.raises(FileError, match=r"mine\.sdf: '.*' is not a number, as its <mu> of friction has to be"):
         read(tmp_path, two_wheels().replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
 
 
 @pytest.mark.parametrize("mu", ["1e16", "inf", "100000000"])
 def test_wheels_that_are_not_to_slip_have_any_friction(tmp_path: Path, mu: str) -> None:
-    robot = read(tmp_path, two_wheels(ROS_1).replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
+    """None beyond a million, as blocks have less, and a pose by it is that by any smaller one above theirs."""
+    text = two_wheels(ROS_1)
+    usual, robot = read(tmp_path, text), read(tmp_path, text.replace("<mu>1</mu>", f"<mu>{mu}</mu>"))
     frames = ModelFrames(ElementTree.fromstring(robot.model("m")), "m")
-    assert frictions(robot.drive, frames) == [float(mu)] * 2
+    assert frictions(robot.drive, frames) == [1e6] * 2
+    assert [part.mu for part in robot.body.parts] == [part.mu for part in usual.body.parts]
 
 
 def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.files.meshes import collision_mesh, simplified_to
 from rsegen.robots.files.mimics import mimics
 from rsegen.robots.files.motors import motor
+from rsegen.robots.files.sdf_elements import coefficient
 from rsegen.robots.files.sdf_shapes import (
     ROUND,
     ModelFrames,
@@ -281,8 +282,7 @@ class _Builder:
         for collision, geometry in own:
             placed = np.linalg.inv(pose) @ self._frames.shape(link, collision)
             part = f"{link}::{collision.get('name', '')}"
-            texts = [collision.findtext(f"surface/friction/ode/{name}") or "1" for name in ("mu", "mu2")]
-            mu, mu2 = (max(floats(text, 1, self._where)[0], 0.0) for text in texts)
+            mu, mu2 = (coefficient(collision, each, self._where) for each in ("mu", "mu2"))
             direction = self._direction(collision, pose @ placed)
             solids = list(self._solids(geometry[0], part))
             if side >= 0 and len(own) == 1 and len(solids) == 1 and geometry[0].tag in ("box", "mesh"):

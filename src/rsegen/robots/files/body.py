@@ -14,6 +14,7 @@ from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix
 from rsegen.robots.files.meshes import collision_mesh, simplified
+from rsegen.robots.files.sdf_elements import coefficient
 from rsegen.robots.files.sdf_shapes import (
     ROUND,
     ModelFrames,
@@ -57,8 +58,7 @@ def body_of_model(frames: ModelFrames, driven: Collection[str], *, lift: float, 
     solids: dict[Hashable, list[tuple[SurfaceSamples, Array]]] = {}
     for link, collision, geometry in frames.collisions():
         name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
-        texts = (collision.findtext(f"surface/friction/ode/{mu}") or "1" for mu in ("mu", "mu2"))  # 1 by default
-        mu, mu2 = (min(max(floats(text, 1, frames.where)[0], 0.0), GROUND_FRICTION) for text in texts)
+        mu, mu2 = (min(coefficient(collision, each, frames.where), GROUND_FRICTION) for each in ("mu", "mu2"))
         part = CollisionPart(name, link in driven, mu, mu2)
         if (form := form_of(geometry)) not in solids:
             solids[form] = list(_solids(geometry[0], distance, frames.where, name))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
-from rsegen.errors import FileError, shown
 from rsegen.robots.drives import Drive, Wheels
+from rsegen.robots.files.sdf_elements import coefficient
 from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials, positive_number
 from rsegen.standing.resting import GRAVITY
 
@@ -43,19 +42,7 @@ _SLIPPERY = 0.01
 
 def frictions(drive: Drive, frames: ModelFrames) -> list[float]:
     """Return the friction coefficients of the shapes that a robot drives on; FileError for what is no number."""
-    texts = (shape.findtext("surface/friction/ode/mu") or "1" for shape in _driving_shapes(drive, frames))
-    return [_coefficient(text, f"{frames.where}: <mu> of what it drives on") for text in texts]
-
-
-def _coefficient(text: str, where: str) -> float:
-    """Return a coefficient of friction, however large: files have 1e16 and more for wheels that are not to slip."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = nan
-    if isnan(value):
-        raise FileError(f"{where}: {shown(text.strip())} is not a number")
-    return value
+    return [coefficient(shape, "mu", frames.where) for shape in _driving_shapes(drive, frames)]
 
 
 def _driving_shapes(drive: Drive, frames: ModelFrames) -> list[Element]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from math import isnan, nan
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from rsegen.errors import FileError
+from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import angles
 
@@ -44,6 +45,22 @@ def unit_axis(axis: Sequence[float], where: str) -> Array:
     if length < _SHORTEST:
         raise FileError(f"{where}: its axis {numbers_text(axis)} has no direction")
     return np.array(axis) / length
+
+
+_MOST_FRICTION = 1e6
+"""The largest coefficient that is not cut off; files have 1e16 and more for what is not to slip."""
+
+
+def coefficient(shape: Element, name: str, where: str) -> float:
+    """Return a coefficient of friction of a collision shape, `mu` or `mu2`: 1 by default; FileError for no number."""
+    text = (shape.findtext(f"surface/friction/ode/{name}") or "1").strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if isnan(value):
+        raise FileError(f"{where}: {shown(text)} is not a number, as its <{name}> of friction has to be")
+    return min(max(value, 0.0), _MOST_FRICTION)
 
 
 class Mass(NamedTuple):
