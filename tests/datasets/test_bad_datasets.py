@@ -104,6 +104,7 @@ def test_several_recipes(refused: Refused) -> None:
     assert "--verify: needs no recipe" in refused("dataset", "--maps", "5", "--verify", "set")
     assert "--shard-maps: is for a data set that is made" in refused("dataset", "--verify", "set", "--shard-maps", "3")
     assert "--force: is for a data set that is made" in refused("dataset", "--verify", "set", "--force")
+    assert "--no-sync: is for a data set that is made" in refused("dataset", "--verify", "set", "--no-sync")
     assert "--rebuild: is for --verify DIR" in refused("dataset", "peak", "--rebuild", "3", "-o", "other")
 
 

@@ -130,8 +130,11 @@ def test_several_robots_are_in_one_picture(tmp_path: Path) -> None:
     assert 1.5 < dark[1] / dark[0] < 2.5  # wheels and lidar of the burger
 
 
-def test_gazebo_s_camera_is_at_the_same_place() -> None:
-    camera, model = south_west_of((2.0, 3.0)), fromstring(camera_model((2.0, 3.0), (1280, 720), rate=1))
+def test_gazebo_s_camera_is_at_the_same_place(tmp_path: Path) -> None:
+    frames = tmp_path / "R&D <1>"
+    camera = south_west_of((2.0, 3.0))
+    model = fromstring(camera_model((2.0, 3.0), (1280, 720), rate=1, frames=frames))
+    assert model.findtext(".//save/path") == str(frames)
     pose = [float(word) for word in (model.findtext("pose") or "").split()]
     assert pose == pytest.approx([*camera.place, 0, camera.pitch, camera.yaw], abs=1e-6)
     assert float(model.findtext(".//horizontal_fov") or 0) == camera.view

@@ -254,7 +254,8 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     if arguments.recipes or has_recipe_flags(arguments):
         raise ParameterError("--verify", "needs no recipe: it is in the data set")
     for name in given(make_dataset, arguments):
-        raise ParameterError(f"--{name.replace('_', '-')}", "is for a data set that is made; --verify checks one")
+        flag = declared(make_dataset)[name].flags[0]
+        raise ParameterError(flag, "is for a data set that is made; --verify checks one")
     text = arguments.rebuild
     rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
     dataset = Dataset(Path(arguments.verify))

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
+from xml.sax.saxutils import escape
 
 from rsegen.errors import FileError, SimulatorFailed
 from rsegen.gazebo.sdf import numbers
@@ -92,7 +93,7 @@ def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: 
 
     rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
     """
-    save = f'\n        <save enabled="true"><path>{frames}</path></save>' if frames else ""
+    save = f'\n        <save enabled="true"><path>{escape(str(frames))}</path></save>' if frames else ""
     camera = south_west_of(extent, pixels)
     pose = numbers((*camera.place, 0, camera.pitch, camera.yaw))
     return f"""\

@@ -172,20 +172,19 @@ def rate(  # noqa: PLR0913  # each is a flag
         )
 
 
-_FOR_RATINGS: Mapping[str, tuple[Any, str]] = {
-    "trials": (None, "the drives of a test of reliability are repetitions"),
-    "by": (("mujoco",), "a test of reliability drives in MuJoCo"),
-    "axis": ("unit", "the fields of a test of reliability are as the recipe has them"),
-    "precision": (_PRECISION, "a test of reliability ends after its repetitions"),
+_FOR_RATINGS: Mapping[str, str] = {
+    "trials": "the drives of a test of reliability are repetitions",
+    "by": "a test of reliability drives in MuJoCo",
+    "axis": "the fields of a test of reliability are as the recipe has them",
+    "precision": "a test of reliability ends after its repetitions",
 }
-"""Parameters that a test of reliability has not: their defaults, and why."""
+"""Parameters that a test of reliability has not, and why."""
 
 
 def _refuse_for_reliability(**values: object) -> None:
     for name, value in values.items():
-        usual, why = _FOR_RATINGS[name]
-        if value != usual:
-            raise ParameterError(name, f"is for a rating; {why}")
+        if value != declared(rate)[name].default:
+            raise ParameterError(name, f"is for a rating; {_FOR_RATINGS[name]}")
 
 
 _TEST = ("reliability", "confidence", "repetitions")

@@ -53,7 +53,7 @@ def weigh(frames: ModelFrames) -> list[str]:
         if (mass := inertial.findtext("mass")) is not None:
             (wanted,) = floats(mass, 1, where)
             refuse_mass(wanted, where)
-            body = Mass(wanted, body.centre, body.tensor * wanted / body.mass)
+            body = _times(body, wanted / body.mass)
         for part in [part for part in inertial if part.tag in _REPLACED]:
             inertial.remove(part)
         append_inertial(element, body)
@@ -70,10 +70,13 @@ def _of_shapes(link: str, element: Element, inertial: Element, frames: ModelFram
         (value,) = floats(density, 1, where)
         if not value > 0:
             raise FileError(f"{where}: its density of {value:g} kg/m^3 is not positive")
-        unit = _of_solid(geometry[0], where)
-        body = Mass(unit.mass * value, unit.centre, unit.tensor * value)
-        parts.append((body, inverse @ frames.shape(link, collision)))
+        parts.append((_times(_of_solid(geometry[0], where), value), inverse @ frames.shape(link, collision)))
     return sum_of_masses(parts)
+
+
+def _times(body: Mass, factor: float) -> Mass:
+    """Return a body of a density that is larger by a factor."""
+    return Mass(body.mass * factor, body.centre, body.tensor * factor)
 
 
 def _of_solid(kind: Element, where: str) -> Mass:
@@ -103,7 +106,7 @@ def _of_solid(kind: Element, where: str) -> Mass:
 def _of_mesh(mesh: Element, where: str) -> Mass:
     """Return the mass of a closed mesh of 1 kg/m^3."""
     path, scale = file_and_scale(mesh, where)
-    points, corners = collision_mesh(Path(path))
+    points, corners = collision_mesh(path)
     corner = points[corners].astype(np.float64) * scale
     total = corner.sum(axis=1)
     six = np.einsum("ni,ni->n", corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))  # times the volume

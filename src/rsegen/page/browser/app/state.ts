@@ -226,11 +226,11 @@ effect(() => {
 
 /* Choose what the address names besides the document. */
 async function restore(asked: URLSearchParams): Promise<void> {
-  const [now, map, panel] = [state.value!, Number(asked.get("map")), asked.get("panel")];
+  const [now, map, panel, name] = [state.value!, Number(asked.get("map")), asked.get("panel"), asked.get("robot")];
   const first = now.first_map ?? 0;
   if (map > first && map < first + now.maps) await showMap(map);
   if (panel === "obstacles" || panel === "robot" || panel === "results") tab.value = panel;
-  await chooseRobot(asked.get("robot") ?? "");
+  if (name) await chooseRobot(name); // else one that was chosen meanwhile stays
 }
 
 function hear(event: Event): void {
