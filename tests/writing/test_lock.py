@@ -76,6 +76,26 @@ def test_of_two_shells_that_generate_into_one_folder_at_once_one_is_refused(
     assert contents(tmp_path / "out") == contents(tmp_path / "alone")
 
 
+def test_a_folder_that_another_run_makes_at_the_same_moment_is_no_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It looks whether the folder is there, the other one makes it, and then it makes it too."""
+    make = Path.mkdir
+    raced: list[Path] = []
+
+    def mkdir(place: Path, *arguments: Any, **named: Any) -> None:
+        if place == tmp_path / "out" and not raced:
+            raced.append(place)
+            make(place)
+        make(place, *arguments, **named)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    with open_store(tmp_path / "out") as store:
+        store.put({"a": [b"1"]})
+    assert raced
+    assert (tmp_path / "out" / "a").read_bytes() == b"1"
+
+
 @pytest.mark.usefixtures("disk")
 def test_a_killed_run_keeps_nobody_out(tmp_path: Path) -> None:
     with holding(tmp_path) as process:

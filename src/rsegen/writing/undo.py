@@ -151,8 +151,22 @@ def make_folder(folder: Path, undo: ExitStack) -> None:
             refuse_dangling(place)
             raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(place))
     for place in reversed(missing):
-        place.mkdir()
-        undo.callback(remove_empty, place)
+        if _is_made(place):
+            undo.callback(remove_empty, place)
+
+
+def _is_made(folder: Path) -> bool:
+    """Make a folder, and return whether it is this run that made it: another one may have done so meanwhile.
+
+    The lock then says which of them writes.
+    """
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        if not folder.is_dir():
+            raise
+        return False
+    return True
 
 
 _OF_DISKS = (".fuse_hidden", ".nfs")
