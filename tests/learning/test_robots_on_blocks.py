@@ -308,6 +308,27 @@ def test_feet_of_a_higher_priority_slide_by_the_blocks_friction_up_to_theirs() -
         assert abs(data.qpos[2] - level * 0.05 - 0.05) < 0.005
 
 
+@pytest.mark.parametrize("condim", [1, 3])
+def test_on_blocks_of_condim_1_no_friction_acts(condim: int) -> None:
+    """A box of friction 0.9 on a slope of 0.1: it slides as fast as without any friction, or not at all."""
+    grid, spec = BlockGrid(RECIPE, contact=Contact(condim=condim)), mujoco.MjSpec()
+    spec.option.gravity, spec.option.cone = [0.1 * 9.81, 0, -9.81], mujoco.mjtCone.mjCONE_ELLIPTIC
+    grid.add_to(spec)
+    body = spec.worldbody.add_body(pos=[-1, 0, TOP + 0.05])
+    body.add_freejoint()
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.15, 0.15, 0.05], friction=[0.9, 0.005, 0.0001])
+    model, levels = spec.compile(), np.full(grid.shape, LEVEL)
+    grid.write(model, levels)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 300)
+    assert data.ncon > 0
+    free = 0.1 * 9.81 * data.time**2 / 2
+    assert data.qpos[0] + 1 == pytest.approx(free if condim == 1 else 0, abs=0.02 * free)
+    acting = grid.ground(levels).acting_friction([[0.0, 0.0]], 0.9)
+    assert acting == pytest.approx(0 if condim == 1 else FRICTION)
+    assert grid.ground(levels).acting_friction([[0.0, 0.0]], 0.9, priority=11) == pytest.approx(0.9)
+
+
 def test_a_contact_of_no_sort_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"condim: 2 is not a condim of MuJoCo; use 1, 3, 4 or 6"):
         Contact(condim=2)
@@ -345,11 +366,11 @@ def test_each_tile_of_a_terrain_has_the_friction_of_its_recipe() -> None:
         assert ground.friction([1 + x, 2 + y]) == pytest.approx(expected)
         found.add((kind, expected))
     assert len(found) == 4
-    of_feet = terrain.ground((1, 2, 0.3), priority=-1)
+    of_feet = terrain.ground((1, 2, 0.3), Contact(priority=-1))
     assert of_feet.acting_friction([1.0, 2.0], 0.4) == pytest.approx(0.4)
     assert ground.acting_friction([1.0, 2.0], 0.4) == ground.friction([1.0, 2.0])
     scene = rsegen.compose(ice)
-    assert rsegen.Ground.of(scene, priority=-1).acting_friction([0.0, 0.0], 0.4) == pytest.approx(0.4)
+    assert rsegen.Ground.of(scene, contact=Contact(priority=-1)).acting_friction([0.0, 0.0], 0.4) == pytest.approx(0.4)
     assert rsegen.Ground.of(scene).acting_friction([0.0, 0.0], 0.4) == pytest.approx(0.1)
     assert terrain.spots((0.3, 0.3)).shape == (3, 4, 1, 4)
     with pytest.raises(ParameterError, match=r"^recipes\[1\]\.friction: 0\.6"):

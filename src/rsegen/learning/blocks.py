@@ -50,7 +50,7 @@ class BlockArrays:
 
     def ground(self, levels: Any) -> Ground:
         """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
-        ground = Ground(self.recipe, levels, self.position, priority=self.contact.priority)
+        ground = Ground(self.recipe, levels, self.position, contact=self.contact)
         self._refuse_other_shape(tuple(ground.levels.shape))
         return ground
 

@@ -39,7 +39,7 @@ from rsegen.learning.arrays import (
 from rsegen.learning.patterns import check_pattern, sides_of
 from rsegen.params.sorts import Integer, as_int
 from rsegen.recipe.recipe import Recipe
-from rsegen.scene.contact import CONTACT
+from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 
 _EDGE = 1e-5
@@ -98,8 +98,8 @@ class Ground:
         Where the middle of the map is, metres.
     outside : int, default 0
         Level of the ground around the map.
-    priority : int, default 10
-        Priority of the blocks in MuJoCo, by which it is decided whose friction acts.
+    contact : Contact, optional
+        Contact of the blocks in MuJoCo, which decides whose friction acts; default: as BlockGrid has it.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Ground:
         levels: Any,
         pos: Sequence[float] | Array = (0, 0, 0),
         outside: int = 0,
-        priority: int = CONTACT.priority,
+        contact: Contact = CONTACT,
     ) -> None:
         refuse_other("recipe", recipe, Recipe)
         if recipe.boundary != "none":
@@ -117,7 +117,7 @@ class Ground:
         self.unit: float = recipe.unit_cm / 100
         self._floor: float = recipe.ground_level * self.unit
         self.position: Array = position_of(pos)
-        self.priority: int = priority
+        self.contact: Contact = contact
         self._middle: tuple[float, float, float] = tuple(self.position.tolist())
         self.library: Any
         self.library, given = library_of("levels", levels)
@@ -140,7 +140,7 @@ class Ground:
         self._fixed: StepField | None = None
 
     @classmethod
-    def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
+    def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Ground:
         """Return the ground of a scene of `rsegen.compose`, whose map may have frames; it cannot be written."""
         refuse_other("scene", scene, Scene)
         field, recipe = scene.field, scene.recipe
@@ -151,7 +151,7 @@ class Ground:
         order = np.argsort(heights, kind="stable")
         material = np.where(field.frame, len(levels), field.levels)
         levels_alone = replace(recipe, boundary="none")
-        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, priority=priority)
+        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, contact=contact)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
         ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
         ground._fixed = field
@@ -164,14 +164,14 @@ class Ground:
         field: StepField,
         friction: Array,
         pos: Sequence[float] = (0, 0, 0),
-        priority: int = CONTACT.priority,
+        contact: Contact = CONTACT,
     ) -> Ground:
         """Return the ground of a field without frames, each of whose cells has a friction; it cannot be written.
 
         friction: (n_x, n_y); recipe: that of the ground around the field.
         """
         levels_alone = replace(recipe, boundary="none")
-        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, priority=priority)
+        ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, contact=contact)
         # Materials are pairs of a level and a friction, sorted by level: the higher of two cells has the higher index.
         pairs = np.column_stack([np.append(0, field.levels), np.append(recipe.friction, friction)])
         known, material = np.unique(pairs, axis=0, return_inverse=True)
@@ -225,13 +225,15 @@ class Ground:
         """Return the coefficient that acts in MuJoCo between the ground and what is on it at points, (...,).
 
         own: the coefficient of that, a number or (...,); priority: the priority of its geoms. The higher priority
-        decides; of equal ones MuJoCo takes the larger coefficient.
+        decides; of equal ones MuJoCo takes the larger coefficient. Where blocks decide with a `condim` of 1, none acts.
         """
         ground = self.friction(points, worlds)
+        if priority < self.contact.priority and self.contact.condim == 1:
+            return ground * 0
         other = ground * 0 + (own if isinstance(own, int | float) else self._here(own, ground.dtype))
-        if priority == self.priority:
+        if priority == self.contact.priority:
             return self.library.maximum(ground, other)
-        return other if priority > self.priority else ground
+        return other if priority > self.contact.priority else ground
 
     def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
         """Return the height of the highest block in squares around points, (...,), metres.

@@ -39,7 +39,7 @@ from rsegen.obstacles.matrix import Matrix
 from rsegen.params.sorts import MOST_LEVELS, NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe, as_recipes
-from rsegen.scene.contact import CONTACT
+from rsegen.scene.contact import CONTACT, Contact
 
 _ALIKE = ("unit_cm", "block_width_cm", "level_colours")
 """Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
@@ -230,12 +230,12 @@ class Terrain(TerrainDesign):
             frictions[self._window(row, column)] = tables[kind][own]
         return frictions
 
-    def ground(self, pos: Sequence[float] = (0, 0, 0), priority: int = CONTACT.priority) -> Ground:
+    def ground(self, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Ground:
         """Return the ground of the whole terrain, its middle at `pos` in metres: each tile has its own friction.
 
-        priority: that of its Contact in MuJoCo, if it has another one than by default.
+        contact: that of its blocks in MuJoCo, if it is another one than by default.
         """
-        return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos, priority)
+        return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos, contact)
 
     @property
     def recipe(self) -> Recipe:
