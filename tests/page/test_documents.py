@@ -89,6 +89,28 @@ def test_a_file_of_another_time_with_the_same_text_has_not_changed(opened: Opene
     assert not opened.document.changed_on_disk
 
 
+def test_what_was_in_a_file_that_is_removed_is_not_saved_until_it_is_again(
+    host: Host, opened: Opened, state_folder: Path
+) -> None:
+    path = host.folder / "course.yaml"
+    text = path.read_text()
+    path.unlink()
+    assert opened.document.check_file()
+    assert not opened.document.check_file()
+    state = calls.state(opened)
+    assert (state["unsaved"], state["file_is_gone"], state["changed_on_disk"]) == (True, True, False)
+    assert drafts(state_folder)
+    path.write_text(text)  # it comes back
+    assert opened.document.check_file()
+    state = calls.state(opened)
+    assert (state["unsaved"], state["file_is_gone"], state["changed_on_disk"]) == (False, False, False)
+    assert not drafts(state_folder)
+    path.unlink()
+    assert opened.document.check_file()
+    state = calls.save(host, doc=opened.id)
+    assert (state["unsaved"], state["file_is_gone"], path.read_text()) == (False, False, text)
+
+
 def test_a_file_is_read_again_and_undo_takes_that_back(host: Host, opened: Opened) -> None:
     act(opened, {"do": "set", "name": "unit_cm", "value": 5})
     (host.folder / "course.yaml").write_text("seed: 4\n")

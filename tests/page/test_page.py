@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from base64 import b64decode
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from glob import glob
@@ -14,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from pypdf import PdfReader
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -911,6 +914,47 @@ def test_the_page_says_that_its_server_has_ended(chrome: Chrome, tmp_path: Path)
     until(lambda: "does not answer" in chrome.find_element(By.CSS_SELECTOR, ".banners").text)
 
 
+@contextmanager
+def _server(folder: Path, port: int = 0) -> Iterator[Service]:
+    """A server with the token that all in the folder have, until the end of the block."""
+    service = Service(host=Host(folder=folder), port=port, keep=True)
+    service.keep_token()
+    service.start()
+    try:
+        yield service
+    finally:
+        service.close()
+
+
+def test_the_page_goes_on_when_its_server_is_started_again(chrome: Chrome, tmp_path: Path) -> None:
+    save(replace(load(EXAMPLES["peak"]), seed=7), tmp_path / "kept.yaml")
+    with _server(tmp_path) as service:
+        page = Page(chrome, service.url(), "kept.yaml")
+        before = page.state()["doc"]
+        page.js("state.jobs.value = [arguments[0]]; return state.chooseRobot('burger')", _RUNS)
+    until(lambda: "does not answer" in chrome.find_element(By.CSS_SELECTOR, ".banners").text)
+    with _server(tmp_path, service.listening_port) as service:
+        until(lambda: page.js("return state.state.value?.doc ?? arguments[0]", before) != before)
+        until(lambda: not chrome.find_elements(By.CSS_SELECTOR, ".banner"))
+        assert page.settled()["values"]["seed"] == 7
+        assert page.js("return [state.robot.value, state.jobs.value.length]") == ["burger", 0]
+        page.js("state.tab.value = 'map'")
+        page.type("Seed", "9")
+        until(lambda: page.settled()["unsaved"])
+        assert service.host.documents[page.state()["doc"]].session.recipe.seed == 9
+        page.js("return state.edit({ do: 'undo' })")
+
+
+def test_a_change_that_the_server_did_not_get_is_not_shown_as_made(chrome: Chrome, tmp_path: Path) -> None:
+    save(replace(load(EXAMPLES["peak"]), seed=7), tmp_path / "kept.yaml")
+    with _server(tmp_path) as service:
+        page = Page(chrome, service.url(), "kept.yaml")
+    page.type("Seed", "8")
+    until(lambda: page.field("Seed").get_attribute("value") == "7")
+    assert page.state()["values"]["seed"] == 7
+    assert "does not answer" in chrome.find_element(By.CSS_SELECTOR, ".status .problem").text
+
+
 def test_the_form_of_an_obstacle_is_in_sight_below_a_list_of_hundreds(
     chrome: Chrome, address: str, folder: Path
 ) -> None:
@@ -962,6 +1006,20 @@ def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
         page.chrome.close()
         page.chrome.switch_to.window(first)
     until(lambda: len(page.state()["rows"]) == 1)
+
+
+def test_the_selected_obstacle_stays_selected_when_one_above_it_comes_back(page: Page) -> None:
+    for kind in ("Peak", "Platform", "Random"):
+        page.choose("Add", kind)
+    selected = "return state.rowAt(state.selected.value).entry.kind"
+    page.js("state.selected.value = 0")
+    page.button("Remove the selected obstacle").click()
+    page.settled()
+    page.js("state.selected.value = 0")
+    assert page.js(selected) == "platform"
+    page.button("Undo").click()
+    until(lambda: len(page.settled()["rows"]) == 3)
+    assert page.js(selected) == "platform"
 
 
 def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path) -> None:
@@ -1179,6 +1237,18 @@ def test_the_legend_has_the_ground_and_the_frame(page: Page) -> None:
     until(lambda: page.chrome.find_element(By.CSS_SELECTOR, ".heights-legend").text == "20 cm\n0 cm\nframe")
 
 
+def test_the_plan_has_its_legend_while_the_view_shows_wood(page: Page) -> None:
+    page.choose("Add", "Peak")
+    page.js("return state.edit({ do: 'set', name: 'look', value: 'wood' })")
+    legend = "return document.querySelector('.heights-legend')?.innerText ?? ''"
+    until(lambda: page.js(legend).startswith("on the plan\n40 cm"))
+    page.js("state.plan.value = 'hidden'")
+    until(lambda: page.js(legend) == "")
+    page.js("state.options.value = { ...state.options.value, look: 'heights' }")
+    until(lambda: page.js(legend).startswith("40 cm"))
+    page.js("state.options.value = { ...state.options.value, look: 'recipe' }")
+
+
 def test_a_problem_is_told_in_the_words_of_the_page(page: Page) -> None:
     page.choose("Add", "Peak")
     page.type("Height", "0")
@@ -1191,6 +1261,17 @@ def test_a_problem_is_told_in_the_words_of_the_page(page: Page) -> None:
     assert (
         "Obstacle 1, Height: 0 is outside" in page.chrome.find_element(By.CSS_SELECTOR, "dialog form > .problem").text
     )
+
+
+def test_a_warning_counts_obstacles_as_the_list_does(page: Page) -> None:
+    for kind in ("peak", "platform"):
+        entry = {"kind": kind, "levels": 3, "first": [0, 0], "last": [9, 9]}
+        page.js("return state.edit({ do: 'add', entry: arguments[0] })", entry)
+    page.js("state.tab.value = 'results'")
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".panel > .problem"))
+    for selector in (".panel > .problem", ".status .warning"):
+        text = page.chrome.find_element(By.CSS_SELECTOR, selector).text
+        assert text.startswith("obstacle 1 (peak) is wholly covered by obstacle 2 (platform)")
 
 
 def test_a_robot_of_a_file_is_placed_and_seen_in_its_drives(page: Page, folder: Path) -> None:
@@ -1370,6 +1451,44 @@ def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(c
     assert complaints(chrome) == []
 
 
+def _printed(chrome: Chrome, file: Path) -> PdfReader:
+    """The pages that the browser prints, on A4 and without backgrounds, as it does unless somebody asks for them."""
+    size = {"paperWidth": 8.27, "paperHeight": 11.69, "printBackground": False}
+    file.write_bytes(b64decode(chrome.execute_cdp_cmd("Page.printToPDF", size)["data"]))
+    return PdfReader(file)
+
+
+def test_the_map_and_all_of_the_panel_are_printed(chrome: Chrome, tmp_path: Path) -> None:
+    file = tmp_path / "map.html"
+    recipe = "name: peak\n" + "".join(f"# line {number}\n" for number in range(150))
+    file.write_bytes(frozen_page([ShownMap.of(compose(load(EXAMPLES["peak"]), 0), recipe, ".yaml")]))
+    resize(chrome, 1366, 768, sharpness=BLURRED)
+    chrome.get(file.as_uri())
+    chrome.find_element(By.CSS_SELECTOR, ".solid canvas")
+    pages = _printed(chrome, tmp_path / "map.pdf").pages
+    text = "\n".join(page.extract_text() for page in pages)
+    assert all(word in text for word in ("peak_0000", "mean height", "# line 149", "size 1.2"))
+    view = max((image.image for image in pages[0].images if image.image), key=lambda image: image.width)
+    assert len(view.convert("RGB").resize((40, 40)).getcolors(1600)) > 20  # colours of blocks and ground
+
+
+def test_all_commands_of_the_manual_are_printed(chrome: Chrome, address: str, tmp_path: Path) -> None:
+    chrome.get(address.replace("/?", "/manual?"))
+    pages = _printed(chrome, tmp_path / "manual.pdf").pages
+    assert any("rsegen doctor" in page.extract_text() for page in pages[-12:])
+
+
+def test_maps_of_long_names_are_chosen_on_a_phone_by_their_numbers(chrome: Chrome, tmp_path: Path) -> None:
+    recipe = replace(load(EXAMPLES["mixed-course"]), name="a" * 60)
+    file = tmp_path / "maps.html"
+    file.write_bytes(frozen_page([ShownMap.of(compose(recipe, index), "", ".yaml") for index in recipe.indices]))
+    resize(chrome, 360, 640, sharpness=BLURRED)
+    chrome.get(file.as_uri())
+    choice = Select(chrome.find_element(By.CSS_SELECTOR, "header select"))
+    assert [each.text for each in choice.options] == [f"aaaaaaaa…aaaaa_{index:04}" for index in recipe.indices]
+    assert chrome.execute_script(_OUTSIDE) == []
+
+
 _OUTSIDE = """const scrolls = each =>
   each && (getComputedStyle(each).overflowY === 'auto' || scrolls(each.parentElement));
 return [...document.querySelectorAll('button, input, select, summary, a')].filter(each => {
@@ -1390,12 +1509,12 @@ ZOOMED = (683, 384)
 """A screen of 1366 x 768 at 200 %."""
 
 
-SIZES = [(360, 640), ZOOMED, (1366, 768), (3840, 2160)]
+SIZES = [(320, 568), ZOOMED, (1366, 768), (3840, 2160)]
 
 
 @pytest.mark.parametrize(
     ("width", "height"),
-    long_unless(lambda size: size[0] in (360, 1366), SIZES, reason="a size between, and eight million points"),
+    long_unless(lambda size: size[0] in (320, 1366), SIZES, reason="a size between, and eight million points"),
 )
 def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width: int, height: int) -> None:
     page = Page(chrome, address, "mixed-course", (width, height), sharpness=min(1, 1920 / width))

@@ -72,6 +72,7 @@ class State(TypedDict):
     data_set: PlaceInDataSet | None  # that the recipe is the map of
     name: str
     changed_on_disk: bool  # somebody else wrote the file
+    file_is_gone: bool  # somebody else removed or renamed it
     recovered: str | None  # changes of a session that ended without saving were brought back: when
     journal: str  # why changes would be lost in a crash, such as a full disk; empty: they would not
     pages: int  # that have it open
@@ -398,6 +399,7 @@ def state_of(opened: Opened, index: int) -> State:
         "data_set": None if document.path else opened.data_set,
         "name": recipe.name,
         "changed_on_disk": document.changed_on_disk,
+        "file_is_gone": document.file_is_gone,
         "recovered": document.recovered,
         "journal": document.journal.failed,
         "pages": opened.pages,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from collections.abc import Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from pypdf import PdfReader
 
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
@@ -49,6 +52,13 @@ def test_a_page_is_shown_without_a_complaint_or_a_request(browser: Chrome, tmp_p
     assert browser.execute_script("return document.getElementById('page').childElementCount") > 0
     assert complaints(browser) == []
     assert {address for address in requests(browser) if not address.startswith(("data:", "blob:"))} == {path.as_uri()}
+
+
+def test_a_page_without_scripts_says_what_it_needs(browser: Chrome, tmp_path: Path) -> None:
+    (tmp_path / "page.html").write_bytes(rsegen.view(FRAMED).html)
+    show(browser, '<!doctype html><title>mail</title><iframe sandbox src="page.html"></iframe>', tmp_path)
+    pdf = b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
+    assert "This page needs JavaScript" in PdfReader(BytesIO(pdf)).pages[0].extract_text()
 
 
 def test_a_hostile_recipe_is_text(browser: Chrome, tmp_path: Path) -> None:

@@ -42,7 +42,8 @@ class Document:
     """A session and its file.
 
     title: what a page calls it while it has no file; text: of the file, as it was read or written last; recovered: when
-    changes were made that an earlier process did not save, and that were brought back.
+    changes were made that an earlier process did not save, and that were brought back; file_is_gone: somebody removed
+    or renamed the file, so the recipe is saved nowhere
     """
 
     session: Session
@@ -52,6 +53,8 @@ class Document:
     text: str = ""
     changed_on_disk: bool = False
     recovered: str | None = None
+    file_is_gone: bool = False
+    _was_saved: Draft | None = None
     _start: Draft = field(init=False)
     _stamp: tuple[int, int] | None = None
     _began_with: str = field(init=False)
@@ -113,17 +116,29 @@ class Document:
         self._saved()
 
     def check_file(self) -> bool:
-        """Look whether somebody else wrote the file; return whether that has changed since the last look."""
+        """Look whether somebody else wrote or removed the file; return whether that has changed since the last look."""
         stamp = self._stamp_now()
         if stamp == self._stamp:
             return False
-        self._stamp, before = stamp, self.changed_on_disk
+        self._stamp, before = stamp, (self.changed_on_disk, self.file_is_gone)
         self.changed_on_disk = self._differs()
-        return self.changed_on_disk != before
+        self._note_removal(is_gone=stamp is None and not os.path.lexists(self.path or ""))
+        return (self.changed_on_disk, self.file_is_gone) != before
+
+    def _note_removal(self, *, is_gone: bool) -> None:
+        """Count what was in the file as not saved while there is no file, so that it stays in the journal."""
+        if is_gone == self.file_is_gone:
+            return
+        self.file_is_gone = is_gone
+        if is_gone:
+            self._was_saved, self.session.saved = self.session.saved, None
+        else:
+            self.session.saved = self._was_saved
+        self._session_changed()
 
     def _saved(self) -> None:
         """Remember that the draft is in the file."""
-        self.session.saved = self.session.draft
+        self.session.saved, self.file_is_gone = self.session.draft, False
         self.changed_on_disk, self.recovered, self._stamp = False, None, self._stamp_now()
         self._session_changed()
 

@@ -8,7 +8,7 @@ import { copy } from "./results";
 import { MapChooser } from "./map";
 import { manual } from "./server";
 import {
-  busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, stays, tab, told, tool,
+  busy, chooseRobot, counted, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, stays, tab, told, tool,
 } from "./state";
 import type { Tool } from "./views";
 
@@ -94,7 +94,7 @@ export function Bar() {
   return (
     <header class="top">
       <h1 class="hidden">{now?.title ?? "rsegen"}</h1>
-      <Menu label={<span class="title">{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="unsaved changes"> •<span class="hidden"> unsaved changes</span></span>}</span>} title="File" class="file quiet">
+      <Menu label={<span class="title" title={now?.title}>{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="unsaved changes"> •<span class="hidden"> unsaved changes</span></span>}</span>} title="File" class="file quiet">
         <button type="button" onClick={() => void leaveFor("")}>New</button>
         <button type="button" onClick={() => (dialog.value = { name: "open" })}>Open … <kbd>Ctrl O</kbd></button>
         <button type="button" onClick={() => void save()}>Save <kbd>Ctrl S</kbd></button>
@@ -123,12 +123,13 @@ export function Status({ note }: { note?: string }) {
   const running = jobs.value.filter((job) => job.state === "running");
   const owner = at && at.row >= 0 ? rowAt(at.row)?.entry.kind : null;
   const size = map?.facts.find(([name]) => name === "size")?.[1];
+  const warnings = (map?.warnings ?? []).map(counted);
   return (
     <footer class="status">
       <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : size}</span>
       <MapChooser />
       {!frozen && now && <span class="seed">seed <code>{String(now.values.seed ?? "–")}</code><Button icon="dice" class="quiet" title="Draw another seed (Ctrl+Alt+R)" onClick={() => void edit({ do: "reroll" })} /></span>}
-      {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
+      {warnings.length > 0 && <span class="warning" title={warnings.join("\n")}><Icon name="warn" /> <span>{warnings.length === 1 ? warnings[0] : `${warnings.length} warnings`}</span></span>}
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
       {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that you ran, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}

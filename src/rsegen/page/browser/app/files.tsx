@@ -7,8 +7,8 @@ import { play } from "./playback";
 import { Picture } from "./results";
 import { leaveFor } from "./run";
 import type { Calls, ListedFile, Listing } from "./protocol";
-import { call, upload } from "./server";
-import { attempt, busy, connected, dialog, hello, playbacks, problem, reload, save, state } from "./state";
+import { SILENT, call, upload } from "./server";
+import { attempt, busy, dialog, hello, lost, playbacks, problem, reload, save, state } from "./state";
 
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
 
@@ -103,9 +103,9 @@ export function Banners() {
   const isChanged = isAsked || (now.changed_on_disk && kept !== now.revision);
   return (
     <div class="banners" aria-live="polite">
-      {!connected.value && (
-        <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it was stopped, or the connection is lost.
-          {now.unsaved ? " Your unsaved changes are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
+      {lost.value && (
+        <div class="banner"><Icon name="warn" /><p>{lost.value !== SILENT ? lost.value : <><b>rsegen gui</b> does not answer: it was stopped, or the connection is lost.
+          {now.unsaved ? " Your unsaved changes are kept: start" : " Start"} it again in the same folder. If this page does not go on by itself, open the address that it prints.</>}</p></div>)}
       {unsafe.length > 0 && hidden !== unsafe && (
         <div class="banner"><Icon name="warn" /><p>{unsafe}</p>
           <Button icon="close" class="quiet" title="Dismiss" onClick={() => hide(unsafe)} /></div>)}
@@ -114,6 +114,9 @@ export function Banners() {
           <button type="button" onClick={() => void save(undefined, true)}>Keep my version</button>
           <button type="button" onClick={() => void reload()}>Load the changed file</button>
           <Button icon="close" class="quiet" title="Decide later" onClick={() => { keep(now.revision); problem.value = null; }} /></div>)}
+      {now.file_is_gone && (
+        <div class="banner"><Icon name="warn" /><p>Another program removed or renamed <b>{now.title}</b>.</p>
+          <button type="button" onClick={() => void save()}>Save it again</button></div>)}
       {now.recovered && seen !== now.doc && (
         <div class="banner"><Icon name="warn" /><p>Unsaved changes from an earlier session were restored. You made them on {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>

@@ -130,6 +130,9 @@ function Editor() {
   );
 }
 
+/* A name by which maps of one recipe differ also if it is cut: long ones without their middle. */
+const endsOf = (name: string) => (name.length > 20 ? `${name.slice(0, 8)}…${name.slice(-10)}` : name);
+
 /* The frozen page: its maps, without anything that edits. */
 function Viewer() {
   const { maps, version } = frozen!;
@@ -138,10 +141,10 @@ function Viewer() {
   return (
     <div class={`page frozen ${layout.value}`}>
       <header class="top">
-        <h1>{map?.name}</h1>
-        <p>{map?.description}</p>
+        <h1 title={map?.name}>{map?.name}</h1>
+        <p title={map?.description}>{map?.description}</p>
         <span class="gap" />
-        {maps.length > 1 && <Select name="Map" value={String(at)} choices={maps.map((each, number) => [String(number), each.name] as const)} onChange={(number) => (scene.value = maps[Number(number)]!)} />}
+        {maps.length > 1 && <Select name="Map" value={String(at)} choices={maps.map((each, number) => [String(number), endsOf(each.name)] as const)} onChange={(number) => (scene.value = maps[Number(number)]!)} />}
       </header>
       <Stage />
       <aside class="right" aria-label="Results"><Results /></aside>

@@ -89,6 +89,7 @@ export interface EditedState {
   data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
+  file_is_gone: boolean; // somebody else removed or renamed it
   recovered: string | null; // changes of a session that ended without saving were brought back: when
   journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open
@@ -403,6 +404,7 @@ export interface State {
   data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
+  file_is_gone: boolean; // somebody else removed or renamed it
   recovered: string | null; // changes of a session that ended without saving were brought back: when
   journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open

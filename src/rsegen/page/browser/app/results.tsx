@@ -6,7 +6,7 @@ import { FieldControl } from "./fields";
 import type { SceneData, Texts, Variant } from "./protocol";
 import { Failed } from "./server";
 import { thumbnail } from "./solid";
-import { ask, attempt, dark, dialog, edit, frozen, hello, measure, nameOf, newGesture, problem, problemAt, results, robot, say, scene, showMap, state } from "./state";
+import { ask, attempt, counted, dark, dialog, edit, frozen, hello, measure, nameOf, newGesture, problem, problemAt, results, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -51,7 +51,7 @@ export function Results() {
   return (
     <section class="panel" aria-label="Results">
       <h2 class="hidden">Results</h2>
-      {map.warnings?.map((warning) => <p class="problem" key={warning}>{warning}</p>)}
+      {map.warnings?.map(counted).map((warning) => <p class="problem" key={warning}>{warning}</p>)}
       {constraints?.length ? <><h3>Constraints</h3><ul class="lines" aria-busy={isOld}>{constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
       <h3>Heights</h3>
       <Heights map={map} />

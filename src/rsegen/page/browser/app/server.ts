@@ -22,10 +22,12 @@ async function answer(response: Response): Promise<Response> {
   throw new Failed(said?.error ?? { where: "", text: `the server answered with error ${response.status}` });
 }
 
+export const SILENT = "rsegen gui does not answer";
+
 /* Call a function of the server by its name. */
 export async function call<N extends keyof Calls>(name: N, args: Calls[N]["args"]): Promise<Calls[N]["result"]> {
   const response = await fetch(`api/${name}`, { method: "POST", headers, body: written(args) }).catch(() => {
-    throw new Failed({ where: "", text: "rsegen gui does not answer: start it again, and open the address that it prints" });
+    throw new Failed({ where: "", text: `${SILENT}: start it again in the same folder` });
   });
   return read<Calls[N]["result"]>(await (await answer(response)).text());
 }
@@ -46,25 +48,29 @@ export async function fileOf(path: string): Promise<Blob> {
   return (await answer(response)).blob();
 }
 
-/* Hear the events of a document, until the signal ends it; after a break, which is said, it is tried again. */
+/* Hear the events of a document, until the signal ends it; after a break it is tried again.
+
+   lost: told why there are no events, as the server says or SILENT says of it; empty once there are. */
 export async function listen(
-  doc: string, page: string, heard: (event: Event) => void, connected: (is: boolean) => void, ends: AbortSignal,
+  doc: string, page: string, heard: (event: Event) => void, lost: (why: string) => void, ends: AbortSignal,
 ): Promise<void> {
   while (!ends.aborted) {
+    let why = SILENT;
     try {
       const response = await fetch("api/events", { method: "POST", headers, body: written({ doc, page }), signal: ends });
       const lines = (await answer(response)).body!.pipeThrough(new TextDecoderStream()).getReader();
-      connected(true);
+      lost("");
       let rest = "";
       for (let part = await lines.read(); !part.done; part = await lines.read()) {
         const whole = (rest + part.value).split("\n");
         rest = whole.pop()!;
         whole.filter(Boolean).forEach((line) => heard(read<Event>(line)));
       }
-    } catch {
+    } catch (error) {
       if (ends.aborted) return;
+      if (error instanceof Failed) why = error.message;
     }
-    connected(false);
+    lost(why);
     await new Promise((resume) => setTimeout(resume, 1500));
   }
 }

@@ -71,6 +71,7 @@ export class Solid implements View, Board {
     this.canvas.addEventListener("webglcontextrestored", () => this.ask());
     this.sizes = new ResizeObserver(() => this.resize());
     this.sizes.observe(host);
+    addEventListener("beforeprint", this.print);
   }
 
   /* ---- what is shown */
@@ -239,6 +240,7 @@ export class Solid implements View, Board {
     cancelAnimationFrame(this.frame);
     clearTimeout(this.resting);
     this.sizes.disconnect();
+    removeEventListener("beforeprint", this.print);
     this.tools.dispose();
     this.controls.dispose();
     for (const name of [...this.parts.keys()]) this.part(name, []);
@@ -439,6 +441,9 @@ export class Solid implements View, Board {
     this.stage.camera.aspect = width / height;
     this.stage.camera.updateProjectionMatrix();
   }
+
+  /* Draw what is printed: browsers keep no picture that was shown on the screen. */
+  private readonly print = (): void => this.draw(1);
 
   /* Draw before long; several wishes are one picture. It is drawn quickly, and in full once nothing changes. */
   private ask(): void {

@@ -4,7 +4,7 @@
    What the server answers holds, unless it is older than what is known already. */
 
 import { computed, effect, signal } from "@preact/signals";
-import { Failed, call, listen } from "./server";
+import { Failed, SILENT, call, listen } from "./server";
 import type {
   Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, MapResults, Playback, DrawnPose, PoseMap, DrawnCrossing, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
 } from "./protocol";
@@ -25,7 +25,7 @@ export const hover = signal<Hover | null>(null);
 export const busy = signal(0); // calls under way that somebody waits for
 export const problem = signal<Failure | null>(null); // of the last call that failed
 export const said = signal(""); // what has been done, for the live region
-export const connected = signal(true); // the server answers
+export const lost = signal(""); // why the page hears nothing of its document; empty: it does
 export const jobs = signal<Job[]>([]);
 export const options = signal<Partial<Options>>({ look: "recipe", grid: true, axes: true });
 export const plan = signal<"inset" | "half" | "hidden">("inset");
@@ -169,6 +169,7 @@ export function take(given: State): void {
   const known = state.value;
   if (known && given.doc !== known.doc) return;
   const next = known && held && given.revision < held.revision ? held : given;
+  selected.value = followed(selected.value, held?.doc === next.doc ? held.rows : [], next.rows);
   held = next;
   state.value = [...flying, ...waiting].reduce(ahead, next);
   selected.value = Math.min(selected.value, next.rows.length - 1);
@@ -176,6 +177,14 @@ export function take(given: State): void {
   const stays = index.value >= first && index.value < first + next.maps;
   if (!stays) index.value = first;
   if (!known || next.revision > known.revision || !stays) draw();
+}
+
+/* The row of an obstacle after others were added, moved or removed by undo, or on another page: found by its key. */
+function followed(row: number, before: Row[], after: Row[]): number {
+  const key = before[row]?.entry.key;
+  if (key === undefined || after[row]?.entry.key === key) return row;
+  const at = after.findIndex((each) => each.entry.key === key);
+  return at < 0 ? row : at;
 }
 
 /* Show another of the maps of the recipe. */
@@ -206,8 +215,27 @@ async function load(id: string): Promise<boolean> {
   index.value = next.first_map ?? 0;
   forgetRobot();
   take(next);
-  void listen(id, page, hear, (is) => (connected.value = is), ends.signal);
+  void listen(id, page, hear, (why) => void lose(id, why), ends.signal);
   return true;
+}
+
+let soughtFor = ""; // the document that was opened anew, as its server had gone
+
+/* Note why the page hears nothing of a document. If the server answers, but does not know it, as it was started anew, it is
+   opened again, once. */
+async function lose(id: string, why: string): Promise<void> {
+  lost.value = why;
+  if (!why || why === SILENT || soughtFor === id) return;
+  soughtFor = id;
+  const asked = new URLSearchParams(location.search);
+  const opened = await attempt(() => call("open", { what: asked.get("open") ?? "" }));
+  if (!opened || id !== doc() || !(await load(opened.doc))) return;
+  await listJobs(); // those of the server before have ended
+  await restore(asked);
+}
+
+async function listJobs(): Promise<void> {
+  jobs.value = (await call("jobs", {}).catch(() => null)) ?? [];
 }
 
 /* The address of the page opens the document that it shows, this one as long as its server runs, later its file, with
@@ -272,8 +300,15 @@ async function send(): Promise<void> {
       const failure = problem.value;
       const now = await attempt(() => ask("state", {}), false);
       if (now) take({ ...now, problem: now.problem ?? failure });
+      else takeBack();
     }
   }
+}
+
+/* Show the document without changes that the server cannot be told of. */
+function takeBack(): void {
+  waiting = [];
+  if (held) take(held);
 }
 
 /* Paint for a new matrix, in the one that is selected meanwhile, as earlier paint has made it. */
@@ -336,6 +371,11 @@ export function told({ where, text }: Failure): string {
   const title = HEADINGS[name as keyof typeof HEADINGS] ?? fields.find((field) => field.name === (name ?? where))?.title ?? name ?? where;
   const place = row === undefined ? title : `Obstacle ${Number(row) + 1}${name ? `, ${title}` : ""}`;
   return place ? `${place}: ${text}` : text;
+}
+
+/* A warning, in which obstacles are counted from 0 as in files, as the list on the page counts them. */
+export function counted(text: string): string {
+  return text.replace(/\bobstacles\[(\d+)\]/g, (_, row: string) => `obstacle ${Number(row) + 1}`);
 }
 
 export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
@@ -497,7 +537,7 @@ export async function start(): Promise<void> {
   const failure = loads ? null : problem.value;
   hello.value = await list;
   if (!loads && hello.value) await open(""); // a page without a recipe could do nothing
-  jobs.value = (hello.value && (await call("jobs", {}).catch(() => null))) || [];
+  if (hello.value) await listJobs();
   problem.value = hello.value ? failure : problem.value;
   if (loads) await restore(asked);
 }

@@ -96,16 +96,18 @@ const hasMaterial = () => scene.value?.palette.some(({ level, colour, surface })
 const MOST_ROWS = { wide: 7, narrow: 7, phone: 4 }; // of heights in a legend
 
 /* What the colours of the blocks mean, wherever they mean heights: the highest first, of many levels some; then the
-   ground and the frame. */
-function HeightLegend() {
+   ground and the frame. While the 3D view shows materials, they are those of the plan, if there is one. */
+function HeightLegend({ hasPlan }: { hasPlan: boolean }) {
   const map = scene.value;
-  if (!map || (hasMaterial() && options.value.look !== "heights")) return null;
+  const isOfPlan = hasMaterial() && options.value.look !== "heights";
+  if (!map || (isOfPlan && !hasPlan)) return null;
   const levels = map.palette.filter((each) => each.level).reverse();
   const rows = Math.min(MOST_ROWS[layout.value], levels.length);
   const shown = levels.filter((_, at) => rows === levels.length || Array.from({ length: rows }, (_, k) => Math.round((k * (levels.length - 1)) / (rows - 1))).includes(at));
   const others = map.palette.filter((each) => !each.level).reverse(); // the ground, and the frame
   return (
-    <ul class="over legend heights-legend" aria-label={`Colours of heights, ${map.unit}`}>
+    <ul class="over legend heights-legend" aria-label={`Colours of heights${isOfPlan ? " on the plan" : ""}, ${map.unit}`}>
+      {isOfPlan && <li>on the plan</li>}
       {[...shown, ...others].map((each) => (
         <li key={each.level} class="key"><i style={{ background: each.colour }} />{each.level === null ? "frame" : `${each.label} ${map.unit}`}</li>))}
     </ul>
@@ -135,7 +137,7 @@ export function Stage() {
           {hasMaterial() && <Segmented name="Colours" value={options.value.look ?? "recipe"} choices={[["recipe", "Material", "as in Gazebo"], ["heights", "Heights", "one colour for each height"]]}
             onChange={(look) => (options.value = { ...options.value, look })} />}
         </div>
-        <HeightLegend />
+        <HeightLegend hasPlan={given !== "hidden"} />
         {!scene.value && <p class="over empty">Drawing the map …</p>}
         {state.value?.problem && <p class="over stale" role="status">This is the last valid map. {told(state.value.problem)}</p>}
       </div>
