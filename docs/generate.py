@@ -35,6 +35,7 @@ from benchmarks import (
     many_worlds,
     rating,
     rests,
+    rooms,
     scan,
     starts,
     training,
@@ -125,6 +126,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scanning/levels",
         "scanning/extent",
         "scanning/evidence",
+        "scanning/surroundings",
         "scanning/comparison",
     ),
     "Robots on fields": (
@@ -206,7 +208,7 @@ def _pages_with_a_table() -> Iterator[tuple[Path, str]]:
         "rating": rating.table(record_in(rating.FILE)),
         "reliability": reliability.table(),
         "robots": _robots(),
-        "scan": scan.table(record_in(scan.FILE)),
+        "scan": _scans(),
         "training": training.table(record_in(training.FILE)),
     }
     for name, table in tables.items():
@@ -324,6 +326,13 @@ def _learned() -> Iterator[str]:
     yield from ant_on_blocks.table(record_in(ant_on_blocks.FILE))
     yield "\n## mjlab's Go1\n"
     yield from go1_on_blocks.table(record_in(go1_on_blocks.FILE))
+
+
+def _scans() -> Iterator[str]:
+    """Accuracy of scans, of fields alone and in rooms."""
+    yield from scan.table(record_in(scan.FILE))
+    yield "\n### In rooms\n"
+    yield from rooms.table(record_in(rooms.FILE))
 
 
 def _ways(scene: Scene) -> bytes:

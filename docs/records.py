@@ -138,6 +138,11 @@ SOURCES: Mapping[str, Source] = {
         "python -m benchmarks.rests",
         ("benchmarks/rests.py", "src/rsegen/robots", "src/rsegen/standing", "src/rsegen/simulators"),
     ),
+    "rooms": Source(
+        "[scans of rooms](scan.md)",
+        "python -m benchmarks.rooms",
+        ("benchmarks/rooms.py", "benchmarks/depth_camera.py", "src/rsegen/scanning"),
+    ),
     "scan": Source(
         "[scans](scan.md)",
         "python -m benchmarks.scan",

@@ -1469,7 +1469,9 @@ def test_the_map_and_all_of_the_panel_are_printed(chrome: Chrome, tmp_path: Path
     text = "\n".join(page.extract_text() for page in pages)
     assert all(word in text for word in ("peak_0000", "mean height", "# line 149", "size 1.2"))
     view = max((image.image for image in pages[0].images if image.image), key=lambda image: image.width)
-    assert len(view.convert("RGB").resize((40, 40)).getcolors(1600)) > 20  # colours of blocks and ground
+    colours = view.convert("RGB").resize((40, 40)).getcolors(1600)
+    assert colours is not None
+    assert len(colours) > 20  # of blocks and ground
 
 
 def test_all_commands_of_the_manual_are_printed(chrome: Chrome, address: str, tmp_path: Path) -> None:

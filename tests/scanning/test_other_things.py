@@ -10,6 +10,7 @@ import pytest
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_flaws
+from benchmarks.rooms import cast_by_mujoco
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
@@ -117,23 +118,6 @@ def test_sides_of_which_little_is_raised_are_named() -> None:
     assert find_field(cloud_of(apart), ScanSettings(blocks=(10, 10))).boundary == "outer"
 
 
-def cast_by_mujoco(boxes: str, cameras: Sequence[DepthCamera]) -> list[tuple[Array, Array]]:
-    """The points that MuJoCo's rays of some cameras meet on boxes and on level floor, each with its camera's place."""
-    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
-    floor = '<geom type="plane" size="4 4 1"/>'
-    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{floor}{boxes}</worldbody></mujoco>")
-    scene = mujoco.MjData(model)
-    mujoco.mj_forward(model, scene)
-    clouds = []
-    for camera in cameras:
-        place, rays = np.array(camera.place), camera.directions()
-        hit, nothing = np.zeros(1, np.int32), None
-        distances = np.array([mujoco.mj_ray(model, scene, place, ray, nothing, 1, -1, hit) for ray in rays])
-        points = place + rays * distances[:, None]
-        clouds.append((place, points[(distances > 0) & (np.hypot(*points[:, :2].T) < 2)]))
-    return clouds
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("degrees", [2, 5])
 def test_missing_turned_and_shifted_blocks_are_right(degrees: float) -> None:
@@ -148,6 +132,7 @@ def test_missing_turned_and_shifted_blocks_are_right(degrees: float) -> None:
         x, y = rng.normal((edges_x[i] + 0.05, edges_y[j] + 0.05), 0.004)
         half, turn = levels[i, j] * field.unit / 2, rng.normal(0, degrees)
         boxes += f'<geom type="box" size="0.05 0.05 {half}" pos="{x} {y} {half}" euler="0 0 {turn}"/>'
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     cloud = with_flaws(cast_by_mujoco(boxes, TWO_VIEWS), USUAL, rng)
     right_turn(find_field(turned(cloud, rng, 0.3)), replace(field, levels=levels))
 

@@ -91,7 +91,7 @@ def run_scan(arguments: argparse.Namespace) -> Report:
         sure: partial(confidence_csv, scanned.scan),
         **({} if fit else {name: scanned.picture}),
     }
-    found = {"scan": scan_content(scanned.scan, len(scanned.points)) | {"files": files}}
+    found = {"scan": scan_content(scanned.scan, len(scanned.points), scanned.left_out) | {"files": files}}
     report = produce(recipe, arguments, beside, found)
     if fit:
         fit.write(scanned.picture)
@@ -129,6 +129,9 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         f"({written.measured(scan.measured_width)} measured), unit {unit} "
         f"({written.measured(scan.measured_unit)} measured), {frames}"
     )
+    if scanned.left_out:
+        all_points = len(scanned.points) + scanned.left_out
+        yield f"left out: {scanned.left_out:,} of {all_points:,} points, of other things than the field on its floor"
     yield from _other_axis(scanned, options)
     yield from _side(scan)
     # Then what was assumed and what is doubtful, each with the flag that settles it.

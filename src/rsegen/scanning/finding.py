@@ -75,7 +75,7 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     Raises a ScanError if there is no field in the cloud, or not the known one.
     """
     settings = settings or ScanSettings()
-    near, middle = _usable(points)
+    near, middle = usable(points)
     if known:
         return _scan_of_known_field(near, middle, settings, known)
     wanted = settings
@@ -351,8 +351,8 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     return gridded.raised(units_below(reading, unit) * unit)
 
 
-def _usable(points: Array) -> tuple[Array, Array]:
-    """The points without far outliers, about their middle, and the middle (3,); a ScanError if there are too few."""
+def usable(points: Array) -> tuple[Array, Array]:
+    """Return the points without far outliers, about their middle, and it, (3,); a ScanError if they are too few."""
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ScanError(f"points have shape {points.shape}; expected (n, 3)")

@@ -10,7 +10,8 @@ the floor. So the normal that counts is the one along which the cloud is layered
 
 1. RANSAC (Fischler and Bolles 1981): 6,000 planes through three points each, scored by the points near them.
 2. The best 24 are fitted again by total least squares, and the one with the clearest layers is kept.
-3. Up is the side on which the camera is, or on which the lowest layer is the wide one: floor is wider than blocks.
+3. Up is the side on which the camera is, or on which the lowest layer is the wide one: floor is wider than blocks,
+   and than walls, of which a layer has few places.
 4. The ground is the lowest slice that is a local maximum; a fit of its points with a robust deviation ends it.
 
 A tolerance of 1/150 of the cloud's size (2 cm of 3 m) is a slice: far less than a block, more than the noise of depth
@@ -48,6 +49,9 @@ _LEAST_LAYERED = 0.35
 
 _SLICES = 150
 """Slices of one tolerance per size of the cloud; see above."""
+
+_CELL = 4
+"""Side of the cells in which the area of a layer is counted, in slices: 4 cm of a cloud of 1.5 m, half a block."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -178,14 +182,13 @@ def _layered(heights: Array, tolerance: float) -> float:
 
 def _side(points: Array, heights: Array, normal: Array, tolerance: float) -> float:
     """Return 1 if the ground is at the low end of the heights, -1 if it is at the high end."""
-    # The area is that of the middle 94 % of the lowest layer's points, in which single far points do not count.
+    # Cells of the plan that the lowest layer has points in: walls around a room have few, however far apart they are.
     areas = []
-    across = _upright(normal)[:2] @ points.T
+    plan = np.floor(points @ _upright(normal)[:2].T / (_CELL * tolerance)).astype(np.int64)
     for sign in (1.0, -1.0):
         ground = _lowest_layer(sign * heights, tolerance)
-        near = across[:, np.abs(sign * heights - ground) < 1.5 * tolerance]
-        some = near if near.shape[1] else np.zeros((2, 1))
-        areas.append(float(np.prod(np.quantile(some, 0.97, axis=1) - np.quantile(some, 0.03, axis=1))))
+        near = np.abs(sign * heights - ground) < 1.5 * tolerance
+        areas.append(len(np.unique(plan[near], axis=0)))
     if max(areas) < 1.25 * min(areas):  # as wide as each other within the error of the areas
         return 1.0 if normal[int(np.abs(normal).argmax())] >= 0 else -1.0  # z of the cloud decides, or y if that is up
     return 1.0 if areas[0] > areas[1] else -1.0

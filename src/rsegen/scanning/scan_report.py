@@ -23,8 +23,8 @@ def confidence_csv(scan: Scan) -> bytes:
     return b"".join(north_up(scan.of_blocks(_confidence(scan)), head))
 
 
-def scan_content(scan: Scan, points: int) -> dict[str, Any]:
-    """Return what was found in a cloud as JSON values, lengths in metres; points: of the cloud.
+def scan_content(scan: Scan, points: int, left_out: int = 0) -> dict[str, Any]:
+    """Return what was found in a cloud as JSON values, lengths in metres; points: of the field; left_out: all others.
 
     levels, confidence, residuals_m: of the blocks, [x][y], frames left out, null where a block was not seen; cells that
     are named have x and y of their block as recipes count them, none for a frame, and cell, in which frames count.
@@ -33,6 +33,7 @@ def scan_content(scan: Scan, points: int) -> dict[str, Any]:
     unsure = seen & (scan.confidence < SURE)
     return {
         "points": points,
+        "points_left_out": left_out,
         "blocks": list(scan.blocks.shape),
         "cells": scan.seen.size,
         "cells_seen": int(seen.sum()),

@@ -6,6 +6,7 @@ clouds --read_clouds--> points --find_field--> Scan --> Recipe of one matrix, or
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +28,7 @@ from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
+from rsegen.scanning.surroundings import find_field_apart, is_doubtful
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
@@ -34,6 +36,9 @@ Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 _MOST_LEVEL = 0.1
 """Probability of a row at level 0 from which on a field without a floor has no size: random blocks of two levels have
 it up to 5 x 5."""
+
+_AS_WIDE = 0.03
+"""Share by which blocks of one width may differ as they are measured."""
 
 _MOST_UNSEEN = 0.5
 """Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
@@ -51,6 +56,8 @@ class ScannedMap:
         The field as a recipe of one map.
     points : ndarray, shape (n, 3)
         The points that it was read from, metres, in the frame of the clouds.
+    left_out : int
+        Number of other points: of things that stand apart from the field.
     clearer_up : str or None
         The axis from which more of a mesh, or of its heights, is seen than from the one that was given as up.
     """
@@ -58,6 +65,7 @@ class ScannedMap:
     scan: Scan
     recipe: Recipe
     points: Array
+    left_out: int = 0
     clearer_up: str | None = None
 
     @cached_property
@@ -123,11 +131,12 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
     """
     options = options or ScanOptions()
     cloud, settings, name = _cloud(clouds, options)
-    field = _found(cloud, settings)
+    field, points = _found(cloud, settings)
     return ScannedMap(
         scan=field,
         recipe=_recipe(field, name, fill_holes=options.fill_holes),
-        points=cloud.points,
+        points=points,
+        left_out=len(cloud.points) - len(points),
         clearer_up=None if cloud.clearer is None else _axis(cloud.clearer),
     )
 
@@ -166,7 +175,7 @@ def compare(
         return ComparedMap(comparison=compared(_field(stands), field), units=units)
     options = options or ScanOptions()
     cloud, settings, _ = _cloud(stands, options)
-    built = _found(cloud, settings, field)
+    built, _ = _found(cloud, settings, field)
     stretch = built.unit / built.measured_unit
     comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
     return ComparedMap(comparison=comparison, scan=built, units=units)
@@ -190,24 +199,42 @@ def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, s
     return cloud, settings if cloud.up is None else replace(settings, up=_vector(cloud.up)), paths[0].stem
 
 
-def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> Scan:
-    """Return the field in a cloud; of a surface in which none is found, as its faces look up."""
+def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> tuple[Scan, Array]:
+    """Return the field in a cloud, and the points that it was read from: all, or those of one of the things in it."""
+    whole, refused = None, ScanError("")
     try:
-        scan = find_field(cloud.points, settings, known)
+        whole = _in_all(cloud, settings, known)
     except ScanError as error:
-        if cloud.facing is None:
-            raise
-        try:
-            scan = find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
-        except ScanError:
-            raise error from None
+        refused = error
+    apart = (
+        None if whole and not is_doubtful(whole, settings, known) else find_field_apart(cloud.points, settings, known)
+    )
+    # Parts of a field of few obstacles have its blocks; of a room that looks like blocks they have others.
+    if whole and (not apart or abs(apart[0].measured_width / whole.measured_width - 1) < _AS_WIDE):
+        apart = whole, cloud.points
+    if not apart:
+        raise refused
+    scan, points = apart
     if settings.blocks is None and not known:
         _refuse_unended(scan, cloud)
-    return replace(
+    found = replace(
         scan,
         is_up_assumed=scan.is_up_assumed or cloud.is_up_assumed,
         whole=scan.whole if cloud.has_floor else None,  # else that of the ground that was added
     )
+    return found, points
+
+
+def _in_all(cloud: Cloud, settings: ScanSettings, known: StepField | None) -> Scan:
+    """Return the field in a cloud; of a surface in which none is found, as its faces look up."""
+    try:
+        return find_field(cloud.points, settings, known)
+    except ScanError:
+        if cloud.facing is None:
+            raise
+        with suppress(ScanError):
+            return find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
+        raise
 
 
 def _refuse_unended(scan: Scan, cloud: Cloud) -> None:

@@ -1,0 +1,78 @@
+"""Fields in rooms: clouds that MuJoCo's rays bring of walls, furniture and people too."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from benchmarks.rooms import FIELDS, ON_TABLE, field_in, room, visit
+from rsegen.cli.edge import main
+from rsegen.errors import ScanError
+from rsegen.field.stepfield import Array
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.scan import SURE
+from tests.support.long import long_unless
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def cubes() -> tuple[rsegen.Recipe, Array]:
+    """A field and the cloud of a room in which nothing is found as a whole."""
+    cloud = room(1, "cubes")
+    with pytest.raises(ScanError, match="no grid of blocks fits the cloud"):
+        find_field(cloud)
+    return field_in(1, "cubes"), cloud
+
+
+@pytest.mark.parametrize("kind", long_unless({"cubes", ON_TABLE}.__contains__, FIELDS, reason="other fields"))
+@pytest.mark.parametrize("seed", long_unless((1).__eq__, [1, 2, 3, 4], reason="other rooms"))
+def test_a_field_in_a_room_is_found(kind: str, seed: int) -> None:
+    found = visit(seed, kind)
+    assert found.found
+    assert found.seen > 0.5 * found.cells
+    assert found.wrong == 0
+
+
+@pytest.mark.parametrize("seed", long_unless((1).__eq__, range(1, 9), reason="other rooms"))
+def test_in_a_room_without_a_field_none_is_found(seed: int) -> None:
+    assert not visit(seed, "").found
+
+
+def test_points_of_other_things_are_left_out_and_counted(
+    cubes: tuple[rsegen.Recipe, Array], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, cloud = cubes
+    scanned = rsegen.scan(cloud)
+    assert len(scanned.points) + scanned.left_out == len(cloud)
+    assert scanned.left_out > 0.2 * len(cloud)
+    near = scanned.scan.placed(scanned.points)
+    assert np.abs(near[:, :2]).max() < 2.5  # of a cloud that is 6 m wide and more
+    np.save(tmp_path / "room.npy", cloud)
+    arguments = ["scan", str(tmp_path / "room.npy"), "-o", str(tmp_path / "worlds")]
+    assert main([*arguments, "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)["scan"]
+    assert (said["points"], said["points_left_out"]) == (len(scanned.points), scanned.left_out)
+    assert main([*arguments, "--force"]) == 0
+    assert f"left out: {scanned.left_out:,} of {len(cloud):,} points" in capsys.readouterr().out
+
+
+def test_a_map_is_compared_with_a_field_in_a_room(cubes: tuple[rsegen.Recipe, Array]) -> None:
+    recipe, cloud = cubes
+    compared = rsegen.compare(cloud, recipe)
+    assert compared.scan is not None
+    assert (compared.scan.confidence > SURE).mean() > 0.5
+    assert not compared.comparison.wrong.any()
+
+
+def test_far_outliers_and_points_that_are_no_numbers_change_nothing(cubes: tuple[rsegen.Recipe, Array]) -> None:
+    _, cloud = cubes
+    others = np.array([[np.nan, 0, 0], [1e6, 0, 0], [0, -1e6, 3]])
+    scan = rsegen.scan(np.concatenate([others, cloud])).scan
+    assert np.array_equal(scan.levels, rsegen.scan(cloud).scan.levels)
