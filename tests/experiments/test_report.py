@@ -230,7 +230,7 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
         ["Gazebo Classic", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", *COSTS, "1.0 s", "2.0", "1.00"],
     ]
     assert [line.count(f"| {BURGERS[80].rtf} |") for line in table] == [0, 1]
-    assert [line["simulator"] for line in reading.DictReader(io.StringIO(trials_csv(both, outcomes)))][0] == "sim"
+    assert next(line["simulator"] for line in reading.DictReader(io.StringIO(trials_csv(both, outcomes)))) == "sim"
 
 
 def test_a_world_in_turns_with_an_empty_one_is_reported_with_its_error(results: Results) -> None:
