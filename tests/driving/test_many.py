@@ -117,13 +117,34 @@ def test_the_table_is_written_whole_and_kept(tmp_path: Path) -> None:
         "drives.json",
         "recipe.json",
     ]
-    assert json.loads((out / "drives.json").read_text())["drives"] == 2
+    content = json.loads((out / "drives.json").read_text())
+    assert content["drives"] == 2
+    assert [content[key] for key in ("file", "motors", "speed", "duration", "seed")] == [
+        None,
+        "reaction",
+        0.4,
+        1,
+        RUBBLE.seed,
+    ]
     head, *rows = (out / "drives.csv").read_text().splitlines()
     assert head.startswith("map,seed,crossed,seconds,distance")
     assert [row.split(",")[0] for row in rows] == ["0", "1"]
     assert float(rows[0].split(",")[4]) == pytest.approx(result.drives[0].distance)
     with pytest.raises(OutputError):
         rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1, output=out)
+
+
+def test_files_of_drives_have_the_path_of_the_robot_s_file(tmp_path: Path) -> None:
+    """Two designs of one name, or two kinds of motors, are told apart."""
+    file = tmp_path / "mine.sdf"
+    file.write_text(rsegen.robot_of("jackal").file("mine", "classic"))
+    given: dict[str, Any] = {"robot": file, "speed": 0.3, "motors": "classic", "duration": 0.5}
+    many = rsegen.drive_many(RUBBLE, maps=1, **given)
+    one = rsegen.drive(RUBBLE, **given, simulator="mujoco", predict=False)
+    for content in (many.as_json(), one.as_json()):
+        assert [content[key] for key in ("file", "motors", "duration")] == [str(file), "classic", 0.5]
+    assert many.as_json()["speed"] == 0.3
+    assert "motors as classic" in next(iter(many.report()))
 
 
 def test_best_is_for_ways() -> None:

@@ -18,7 +18,7 @@ from rsegen.experiments.plan import PLANS, ExperimentPlan, TableRow, load_plan, 
 from rsegen.experiments.report import published_figures
 from rsegen.experiments.run import _robot_files
 from rsegen.experiments.trial import refuse_undrivable
-from rsegen.experiments.trial_server import runs_of_row, trial_server
+from rsegen.experiments.trial_server import placed, runs_of_row, trial_server
 from rsegen.field.steps import steps
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.lookup import robot_of_kind
@@ -115,6 +115,22 @@ def test_a_larger_map_without_room_names_the_row_and_its_size() -> None:
     server = trial_server(plan, plan.cells[0], 1, EMBEDDED["mujoco"], lambda: None)
     with pytest.raises(NoSpot, match=r"^row 1, 10, real: robots: found spots for "), server:
         pass
+
+
+@pytest.mark.parametrize(("robot", "robots"), [("jackal", 2), ("crawler", 3), ("burger", 20)])
+def test_an_empty_world_has_room_for_all_robots(robot: str, robots: int) -> None:
+    row = TableRow(robot=robot, robots=robots, sizes=(0,))
+    for seed in (2, 3):
+        with pytest.raises(NoSpot):  # not on the ground of 10 x 10 blocks
+            runs_of_row(row, compose(row.map_of(0, seed)), seed)
+        scene, runs = placed(row, 0, seed)
+        assert len(runs) == robots
+        assert not scene.field.levels.any()
+
+
+def test_an_empty_world_of_few_robots_is_as_large_as_the_smallest_map() -> None:
+    scene, _ = placed(TableRow(), 0, 1)
+    assert scene.field.shape == (10, 10)
 
 
 @pytest.mark.parametrize("rows", [load_plan("driven").rows, load_plan("quick").rows, (TableRow(),)])

@@ -230,7 +230,7 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
         ["Gazebo Classic", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", *COSTS, "1.0 s", "2.0", "1.00"],
     ]
     assert [line.count(f"| {BURGERS[80].rtf} |") for line in table] == [0, 1]
-    assert next(reading.reader(trials_csv(both, outcomes).splitlines()[1:]))[0] == "sim"
+    assert next(line["simulator"] for line in reading.DictReader(io.StringIO(trials_csv(both, outcomes)))) == "sim"
 
 
 def test_a_world_in_turns_with_an_empty_one_is_reported_with_its_error(results: Results) -> None:
@@ -251,6 +251,9 @@ def test_the_csv_has_every_trial(results: Results) -> None:
     lines = list(reading.DictReader(io.StringIO(trials_csv(PLAN, results))))
     assert len(lines) == 3 * len(PLAN.cells)
     assert {line["robot"] for line in lines} == {"burger", "jackal"}
+    assert {line["row"]: line["robot"] for line in lines} == {"1": "burger", "2": "jackal"}
+    cells = [(line["row"], line["size"], line["pace"]) for line in lines]
+    assert [line["trial"] for line in lines] == ["0", "1", "2"] * len(dict.fromkeys(cells))
     assert [line["speed"] for line in lines if line["size"] == "80" and line["pace"] == "free"] == ["4.5", "4", "1"]
 
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from io import BytesIO
+from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+import rsegen
 from rsegen.driving.drive_metrics import Trajectory
+from rsegen.errors import Incomplete, NoSpot
+from rsegen.experiments import run
 from rsegen.experiments.plan import Cell, ExperimentPlan, TableRow
-from rsegen.experiments.run import track_files, track_names
+from rsegen.experiments.run import results_of, track_files, track_names
 from rsegen.experiments.trial import Outcome, Trial
 from rsegen.scene.scene import compose
 
@@ -45,3 +50,29 @@ def test_every_trial_has_a_csv_file_and_every_cell_a_picture_of_the_last(trial: 
 
 def test_without_robots_no_tracks_are_written(trial: Trial) -> None:
     assert track_files(PLAN, CELL, 1, replace(trial, trajectories={})) == {}
+
+
+@pytest.mark.parametrize(("before", "error"), [(0, NoSpot), (1, Incomplete)])
+def test_a_map_without_room_leaves_complete_trials_and_says_so(
+    before: int, error: type[Exception], trial: Trial, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An error of a user (exit code 2) means that nothing was changed."""
+    calls = count()
+
+    def run_trial(*_: object) -> Trial:
+        if next(calls) < before:
+            return trial
+        raise NoSpot("row 1, 20, free: robots", "found spots for 1 of 2")
+
+    monkeypatch.setattr(run, "run_trial", run_trial)
+    with pytest.raises(error, match="found spots for 1 of 2") as raised:
+        rsegen.experiment(PLAN, tmp_path / "costs", simulator="mujoco")
+    assert ("1 of 2 trials are complete" in str(raised.value)) is (before > 0)
+    with pytest.raises(NoSpot):  # nothing is changed by the next call
+        rsegen.experiment(PLAN, tmp_path / "costs", simulator="mujoco")
+
+
+def test_outcomes_are_in_the_order_of_their_repeats(trial: Trial) -> None:
+    """A line of the journal that was deleted is made again behind the others."""
+    first, second = trial.outcome, replace(trial.outcome, speed=2)
+    assert results_of({(CELL, 1): second, (CELL, 0): first}) == {CELL: [first, second]}

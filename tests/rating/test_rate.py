@@ -26,6 +26,7 @@ from rsegen.params.streams import generator
 from rsegen.rating import judges
 from rsegen.rating.axes import AXES
 from rsegen.rating.judges import Trial, usual_duration
+from rsegen.rating.rate import Rated as RatedRobot
 from rsegen.rating.rate import usual_fields
 from rsegen.rating.rating import Curve, Rating, plot, shown_places
 from rsegen.rating.run import batch_size
@@ -161,6 +162,16 @@ def test_a_trial_is_driven_again_where_it_was_made(by: str, robot: list[str]) ->
     assert json.loads(recipe)["maps"] == 3
 
 
+@pytest.mark.parametrize(
+    ("robot", "named"), [("jackal", "jackal"), ("mine.xacro lidar:=true", "../mine.xacro lidar:=true")]
+)
+def test_a_robot_of_a_file_is_named_from_the_folder_of_its_rating(robot: str, named: str) -> None:
+    limits = dict.fromkeys(("wheels", "tracks", "size", "speed", "turn"))
+    subject = RatedRobot(robot=robot, limits=limits, motors=None, duration=None)
+    assert subject.replay(Path("out")) == ("--robot", named)
+    assert subject.replay() == ("--robot", robot)
+
+
 @pytest.mark.slow
 @real
 @pytest.mark.long(reason="a kind is rated in make test")
@@ -173,12 +184,13 @@ def test_a_robot_of_a_file_is_rated_and_driven_again(
     rating = rated(**given, trials=8, output="out")
     trial = next(trial for trial in rating.curves[0].trials if trial.crossed)
     command = json.loads(Path("out", "rating.json").read_text())["curves"][0]["trials"][trial.map]["drive"]
-    assert "--robot mine.sdf --speed 0.3 --motors classic --duration 7" in command
-    words = shlex.split(command.replace("recipe.json", "out/recipe.json"))
-    assert main([*words[1:], "--no-predict", "--json"]) == 0
+    assert "--robot ../mine.sdf --speed 0.3 --motors classic --duration 7" in command
+    monkeypatch.chdir("out")
+    assert main([*shlex.split(command)[1:], "--no-predict", "--json"]) == 0
     (robot,) = json.loads(capsys.readouterr().out)["robots"]
     assert robot.get("metrics", robot)["crossed"] == trial.seconds
     # Another file of that name is another robot.
+    monkeypatch.chdir(tmp_path)
     Path("mine.sdf").write_text(rsegen.robot_of("jackal").file("other", "classic"))
     with pytest.raises(OutputError, match="out: has another rating"):
         rated(**given, trials=9, output="out")

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom, binomtest
 
 import rsegen
+from rsegen.cli.edge import main
 from rsegen.driving.many import ManyDrive, ManyDrives
 from rsegen.errors import OutputError, ParameterError
 from rsegen.rating.rate import _are_alike
@@ -167,3 +168,13 @@ def test_repetitions_without_a_result_are_said_and_not_counted() -> None:
         "  a reliability of 80% with a confidence of 85% allows 0 failures; 82.71% is shown",
         "  2 more have no result, and are not counted; the first: the physics failed",
     ]
+
+
+@pytest.mark.parametrize(("crossed", "code"), [(30, 0), (1, 1)])
+def test_a_test_that_is_not_passed_ends_with_exit_code_1(
+    crossed: int, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    result = ReliabilityTest(drives=_drives(crossed), reliability=0.8, confidence=0.85)
+    monkeypatch.setattr("rsegen.rating.rate.reliability_shown", lambda *_, **__: result)
+    assert main(["rate", "jackal", "--reliability", "0.8"]) == code
+    assert ("not passed" in capsys.readouterr().out) is bool(code)

@@ -115,6 +115,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.driving.planning import planned_runs, predictor_for
     from rsegen.driving.recording import record_drive, record_embedded
     from rsegen.params.streams import fresh_seed
+    from rsegen.robots.lookup import robot_file
     from rsegen.simulators.base import Installation
     from rsegen.simulators.embedded import embedded_simulator
     from rsegen.simulators.server import choose_installation
@@ -167,6 +168,9 @@ def drive(  # noqa: PLR0913  # each is a flag
         prediction=found,
         image=recording.image,
         video=recording.video,
+        file=robot_file(robot),
+        motors=(motors or MOTORS[0]) if embedded else None,
+        duration=duration,
     )
     if output is not None:
         result.write(output, force=force)
@@ -225,6 +229,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     from rsegen.driving.drive import drivable, refuse_best
     from rsegen.driving.many import ManyPlan, make_drives
     from rsegen.recipe.recipe import with_maps
+    from rsegen.robots.lookup import robot_file
     from rsegen.simulators.batch import batch_simulator
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import refuse_taken, unchanged_if_stopped
@@ -237,6 +242,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
         route=route,
         best=best or "safe",
         duration=duration,
+        file=robot_file(robot),
         batch=batch_simulator(simulator),
     )
     if output is not None:

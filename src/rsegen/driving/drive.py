@@ -89,6 +89,12 @@ class DriveResult(Reported):
         A JPEG of the end, empty without `picture`.
     video : bytes
         An animated WebP, empty without `video`.
+    file : str or None
+        The file of the robot, with its arguments, as it was named; None for a kind.
+    motors : str or None
+        How motors acted in MuJoCo; None in Gazebo, which has its own.
+    duration : float or None
+        The longest simulation time, seconds.
     """
 
     scene: Scene
@@ -103,6 +109,9 @@ class DriveResult(Reported):
     prediction: Prediction | None = None
     image: bytes = field(default=b"", repr=False)
     video: bytes = field(default=b"", repr=False)
+    file: str | None = None
+    motors: str | None = None
+    duration: float | None = None
 
     @property
     def pictures(self) -> list[str]:
@@ -113,8 +122,11 @@ class DriveResult(Reported):
         """Return the content of drive.json, which `rsegen drive --json` prints."""
         return {
             "map": self.scene.name,
+            "file": self.file,
             "simulator": self.simulator,
+            "motors": self.motors,
             "route": self.route,
+            "duration": self.duration,
             "seed": self.seed,
             **({"way": self.way.as_json()} if self.way else {}),
             **({"prediction": self.prediction.as_json()} if self.prediction else {}),

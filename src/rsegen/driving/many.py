@@ -50,7 +50,8 @@ _Z = 1.959963984540054
 class ManyPlan:
     """Drives to make: the maps of a recipe, a robot, its motors, route and seconds of simulation.
 
-    batch: the simulator of many worlds at once in which they are made; None for the simulator in the box
+    file: the robot's, as the user named it, None for a kind; batch: the simulator of many worlds at once in which they
+    are made, None for the simulator in the box
     """
 
     recipe: Recipe
@@ -59,6 +60,7 @@ class ManyPlan:
     route: str
     best: str
     duration: float
+    file: str | None = None
     batch: BatchSimulator | None = None
 
     def seed_of(self, index: int) -> int:
@@ -103,6 +105,14 @@ class ManyDrives(Reported):
         How the robot was sent.
     drives : tuple of ManyDrive
         A row for each map, in the order of the maps.
+    file : str or None
+        The file of the robot, with its arguments, as it was named; None for a kind.
+    motors : str or None
+        How motors acted in MuJoCo.
+    speed : float or None
+        The commanded speed, m/s.
+    duration : float or None
+        The longest simulation time of a drive, seconds.
     """
 
     recipe: Recipe
@@ -110,6 +120,10 @@ class ManyDrives(Reported):
     simulator: str
     route: str
     drives: tuple[ManyDrive, ...]
+    file: str | None = None
+    motors: str | None = None
+    speed: float | None = None
+    duration: float | None = None
 
     @property
     def crossed(self) -> int:
@@ -131,8 +145,13 @@ class ManyDrives(Reported):
         return {
             "map": self.recipe.name,
             "robot": self.robot,
+            "file": self.file,
             "simulator": self.simulator,
+            "motors": self.motors,
             "route": self.route,
+            "speed": self.speed,
+            "duration": self.duration,
+            "seed": self.recipe.seed,
             "crossed": self.crossed,
             "drives": self.counted,
             "interval": [round(end, 6) for end in self.interval],
@@ -146,7 +165,8 @@ class ManyDrives(Reported):
         """Yield the lines that `rsegen drives` prints."""
         low, high = self.interval
         share = f"{self.crossed / self.counted:.0%} [{low:.0%}, {high:.0%}]" if self.counted else "no result"
-        yield f"{self.recipe.name} in {self.simulator}, {self.route}:"
+        motors = "" if self.motors in (None, MOTORS[0]) else f", motors as {self.motors}"
+        yield f"{self.recipe.name} in {self.simulator}{motors}, {self.route}:"
         yield f"  {self.robot} crossed {self.crossed} of {self.counted} maps: {share} (95 % interval)"
         times = [drive.crossed for drive in self.drives if drive.crossed is not None]
         if times:
@@ -231,7 +251,15 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
         problem = f"map {drives[0].map}: {drives[0].failed}"
         raise UserError(problem if len(drives) == 1 else f"none of {len(drives)} drives has a result; {problem}")
     return ManyDrives(
-        recipe=plan.recipe, robot=plan.robot.kind, simulator=str(here), route=plan.route, drives=tuple(drives)
+        recipe=plan.recipe,
+        robot=plan.robot.kind,
+        simulator=str(here),
+        route=plan.route,
+        drives=tuple(drives),
+        file=plan.file,
+        motors=plan.motors or MOTORS[0],
+        speed=plan.robot.driving_speed,
+        duration=plan.duration,
     )
 
 

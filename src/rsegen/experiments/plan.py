@@ -107,12 +107,15 @@ class TableRow:
                 raise ParameterError("sizes", f"{size}: a single {self.maps} is on {_BLOCKS} x {_BLOCKS} blocks")
         self.map_of(_BLOCKS, 0)
 
-    def map_of(self, size: int, seed: int) -> Recipe:
-        """Return the recipe of its map with this number of blocks per side; of 0 an empty world, without frames."""
+    def map_of(self, size: int, seed: int, room: int = 1) -> Recipe:
+        """Return the recipe of its map with this number of blocks per side; of 0 an empty world, without frames.
+
+        room: chunks along each side of the ground of an empty world on which robots start
+        """
         given = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
-            "chunks": [max(size // _BLOCKS, 1)] * 2,
+            "chunks": [size // _BLOCKS or room] * 2,
             "unit_cm": self.unit_cm,
             "boundary": "none",
             "seed": seed,

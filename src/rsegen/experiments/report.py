@@ -173,15 +173,16 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
 
 
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
-    """Return the text of trials.csv, a line per trial."""
+    """Return the text of trials.csv, a line per trial, with the numbers that the files of its tracks have."""
     names = [field.name for field in fields(Outcome)]
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")  # the name of a robot's file may have a comma
-    lines.writerow(["simulator", "robot", "robots", "size", "pace", *names])
+    lines.writerow(["row", "trial", "simulator", "robot", "robots", "size", "pace", *names])
     for cell, outcomes in results.items():
         row = plan.rows[cell.row]
-        start = [row.simulator or "", row.robot, row.robots, cell.size, cell.pace]
-        lines.writerows([*start, *(_plain(getattr(outcome, name)) for name in names)] for outcome in outcomes)
+        what = [row.simulator or "", row.robot, row.robots, cell.size, cell.pace]
+        for trial, outcome in enumerate(outcomes):
+            lines.writerow([cell.row + 1, trial, *what, *(_plain(getattr(outcome, name)) for name in names)])
     return text.getvalue()
 
 
@@ -199,8 +200,9 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
         yield f"If a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
     if _has_incidents(results):
-        yield "Off the map, impossible: shares of the robots that left the map, and that did what no robot can, with"
-        yield "which their other figures end. Attempts: servers that the trials took, as those that fail are replaced."
+        yield "Off the map: share of the robots that left it; they drove on. Impossible: share that did what no robot"
+        yield "can, with which their other figures end. Attempts: servers that the trials took, as those that fail are"
+        yield "replaced."
     if not set(plan.paces) & set(SOURCES):
         yield "No window and no camera, so no frames per second."
     yield "\n| machine | |\n|---|---|"

@@ -22,7 +22,17 @@ from typing import Any
 
 from rsegen.driving.drive_metrics import COLUMNS
 from rsegen.driving.plots import trajectory_plot
-from rsegen.errors import FileError, NoSpot, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.errors import (
+    FileError,
+    Incomplete,
+    NoSpot,
+    ParameterError,
+    Stopped,
+    UserError,
+    inside,
+    refuse_unknown,
+    shown,
+)
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
 from rsegen.experiments.trial import (
@@ -105,6 +115,7 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
     with _opened(plan, folder, force=force) as store:
         done = read_entries(store.journal.content, folder, len(plan.rows))
         store.announce_files([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
+        earlier = len(done)
         for number, (cell, repeat) in enumerate(plan.order()):
             progress(number, cell)
             if (cell, repeat) not in done:
@@ -115,12 +126,22 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
                         store.put(files, force=True, holds=HOLDS)
                     store.note(journal_entry(cell, repeat, trial.outcome))
                     done[cell, repeat] = trial.outcome
-                except KeyboardInterrupt:
+                except (KeyboardInterrupt, UserError) as error:
                     there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
-                    raise Stopped(there, changed=bool(done)) from None
+                    raise _ended(error, there, done, earlier) from None
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
+
+
+def _ended(error: BaseException, there: str, done: Entries, earlier: int) -> BaseException:
+    """Return what ended the trials as the error that also says what is there, with the trials of `earlier` calls.
+
+    A larger map may have no room for the robots; exit code 2 means that nothing was changed.
+    """
+    if isinstance(error, KeyboardInterrupt):
+        return Stopped(there, changed=bool(done))
+    return Incomplete(f"{error}; {there}") if len(done) > earlier else error
 
 
 @contextmanager
@@ -270,9 +291,9 @@ def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
 
 
 def results_of(entries: Entries) -> Results:
-    """Return the outcomes of every cell."""
+    """Return the outcomes of every cell, in the order of its repeats, also if a line of the journal was deleted."""
     results: dict[Cell, list[Outcome]] = {}
-    for (cell, _), outcome in entries.items():
+    for (cell, _), outcome in sorted(entries.items(), key=lambda entry: entry[0][1]):
         results.setdefault(cell, []).append(outcome)
     return results
 

@@ -128,8 +128,8 @@ class Outcome:
     share: speed divided by that of the empty world at the pace `beside`, else None
     simulated: seconds; all others are means over the robots, None if nothing of them is known. driven: metres; stuck:
     share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of the map over which some
-    part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots that left the map, and
-    that did what no robot can, with which their other figures end
+    part of a robot has been, 0..1, None in an empty world; off: share of the robots that left the map, and drove on;
+    impossible: share that did what no robot can, with which their other figures end
     """
 
     load: float

@@ -239,16 +239,32 @@ def runs_of_row(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
     return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
+ROOMS = (1, 2, 4, 8, 16)
+"""Chunks along each side of the ground of an empty world on which robots start, of which the first that holds all is
+taken. Like a map it has robots at places of it, so that both differ by the map alone."""
+
+
+def placed(row: TableRow, size: int, seed: int) -> tuple[Scene, Sequence[RobotRun]]:
+    """Return a map of a row, of 0 blocks the ground of an empty world, and the runs of the robots on it."""
+    for room in () if size else ROOMS[:-1]:
+        with suppress(NoSpot):
+            return _placed(row, size, seed, room)
+    return _placed(row, size, seed, ROOMS[-1])
+
+
+def _placed(row: TableRow, size: int, seed: int, room: int) -> tuple[Scene, Sequence[RobotRun]]:
+    scene = compose(row.map_of(size, seed, room))
+    return scene, runs_of_row(row, scene, seed)
+
+
 @contextmanager
 def trial_server(
     plan: ExperimentPlan, cell: Cell, seed: int, here: TrialSimulator, watch: Callable[[], None]
 ) -> Iterator[TrialServer]:
     """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
-    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
     row = plan.rows[cell.row]
-    scene = compose(row.map_of(cell.size, seed))
     try:
-        runs = runs_of_row(row, scene, seed)
+        scene, runs = placed(row, cell.size, seed)
     except NoSpot as error:  # of a map larger than the smallest one of its row, which has been tried
         raise error.of(cell.name) from None
     routes = {run.name: run.route() for run in runs}

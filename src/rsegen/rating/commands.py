@@ -196,7 +196,8 @@ def add_rate(command: Parser) -> None:
     """Add the flags of `rsegen rate`."""
     epilog = (
         "The folder gets rating.json, trials.csv, rating.png and recipe.json; rating.json has the command that drives "
-        "each trial again. The same command continues a stopped rating, or narrows its interval."
+        "each trial again. The same command continues a stopped rating, or narrows its interval. A test of reliability "
+        "that is not passed ends with exit code 1."
     )
     command.explain(rate.__doc__, epilog, robot_kinds)
     model = declared(rate)["robot"]
@@ -210,8 +211,9 @@ def add_rate(command: Parser) -> None:
 
 
 def run_rate(arguments: argparse.Namespace) -> Report:
-    """Rate a robot, and say how hard a field it crosses."""
+    """Rate a robot, and say how hard a field it crosses; the exit code is 1 if it has not passed a test."""
     from rsegen.rating.rate import usual_fields
+    from rsegen.rating.reliability import ReliabilityTest
     from rsegen.writing.execute import cores
 
     with flags_in_errors(rate):
@@ -220,4 +222,5 @@ def run_rate(arguments: argparse.Namespace) -> Report:
     options = {"workers": cores()} | {name: value for name, value in given(rate, arguments).items() if name != "robot"}
     with how_to_go_on(recipe), share_bar("rating") as bar, flags_in_errors(rate):
         result = rate(arguments.robot, recipe, **options, progress=lambda _, share: bar(share))
-    return Report(lines=result.report(), content=result.as_json)
+    is_failed = isinstance(result, ReliabilityTest) and not result.has_passed
+    return Report(lines=result.report(), content=result.as_json, code=int(is_failed))

@@ -32,7 +32,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.files.sdf_file import is_robot_file
 from rsegen.robots.files.xacro_files import with_arguments
-from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot, robot_file
 from rsegen.writing.execute import Execution
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import Store, refuse_taken
@@ -103,11 +103,11 @@ class Rated:
             return None
         return ROBOTS.source(str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind)
 
-    def replay(self) -> tuple[str, ...]:
-        """Return what `rsegen drive` needs to know of the robot; empty if a shell cannot name it."""
+    def replay(self, folder: Path | None = None) -> tuple[str, ...]:
+        """Return what `rsegen drive` in a folder needs to know of the robot; empty if a shell cannot name it."""
         if not self.is_registered:
             return ()
-        words = [str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind]
+        words = [_from(folder, str(self.robot)) if isinstance(self.robot, str | os.PathLike) else self.model().kind]
         for name, value in {**self.limits, "motors": self.motors}.items():
             if value is not None:
                 words += [f"--{name}", ",".join(f"{part:g}" for part in value) if name == "size" else f"{value}"]
@@ -127,6 +127,18 @@ class Rated:
             "motors": self.motors,
             "duration": self.duration,
         }
+
+
+def _from(folder: Path | None, robot: str) -> str:
+    """Return a kind of robot, or the file of one with its arguments, as it is named in a folder."""
+    if folder is None or not is_robot_file(robot):
+        return robot
+    file, _ = with_arguments(robot)
+    try:
+        path = os.path.relpath(file, folder)
+    except ValueError:  # on Windows, on another drive
+        path = os.path.abspath(file)
+    return path + robot[len(file) :]
 
 
 def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
@@ -157,7 +169,7 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
             robot=judges[0].title if rated.is_function else rated.model().kind,
             axis=axis,
             curves=tuple(curves),
-            replay=rated.replay(),
+            replay=rated.replay(target.output),
             notes=tuple(_notes(recipe, curves)),
         )
         if store:
@@ -245,6 +257,7 @@ def reliability_shown(  # as `rsegen.rate`
         route=Straight.name,
         best="length",
         duration=rated.duration or usual_duration(robot, build(recipe)),
+        file=robot_file(rated.robot),
     )
     made = 0
 

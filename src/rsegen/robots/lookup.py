@@ -88,6 +88,11 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
     return what
 
 
+def robot_file(robot: object) -> str | None:
+    """Return the file of a robot, with its arguments, as a user named it; None for a kind, or a robot in Python."""
+    return os.fspath(robot) if isinstance(robot, str | os.PathLike) and is_robot_file(robot) else None
+
+
 def crosser(what: object, where: str, *, kind_only: bool = False, room: float = 1.0) -> CrossingModel:
     """Return the robot of a kind or file, which crosses fields with room to spare (`Capability.crossers`)."""
     if kind_only and isinstance(what, str) and is_robot_file(what):
