@@ -16,6 +16,8 @@ import os
 import re
 import select
 import stat
+import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -265,13 +267,20 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
         ) from None
 
 
+_SILENCE = threading.RLock()
+"""Held while libraries are silent: of threads whose silence overlaps, the last would put back that of another."""
+
+if sys.platform != "win32":  # a fork waits, so that its child has neither the lock nor the silence of another thread
+    os.register_at_fork(before=_SILENCE.acquire, after_in_parent=_SILENCE.release, after_in_child=_SILENCE.release)
+
+
 @contextmanager
 def silent_libraries() -> Iterator[None]:
-    """Hide what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside.
+    """Hide what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside; one thread at a time.
 
     Whoever has set up logging still gets the records. Numbers that numpy could not read are an error.
     """
-    with ExitStack() as stack:
+    with _SILENCE, ExitStack() as stack:
         stack.enter_context(warnings.catch_warnings())
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", _CUT_SHORT, DeprecationWarning)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from rsegen.errors import FileError
-from rsegen.input_files import open_regular, refuse_pointer, unreadable
+from rsegen.input_files import open_regular, refuse_pointer, silent_libraries, unreadable
 
 _LONGEST_HEADER = 10_000
 """Bytes of a header at most: that of an array of numbers has 128, and numpy parses no more by itself."""
@@ -69,8 +68,7 @@ def _header(file: BufferedReader) -> tuple[tuple[int, ...], bool, np.dtype[Any]]
     text = BytesIO(start + file.read(length))
     reader = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # headers that Python 2 wrote
+        with silent_libraries():  # numpy warns of headers that Python 2 wrote
             return reader(text)
     except Exception:  # numpy parses it as Python, which fails in many ways
         raise ValueError("its header is damaged") from None

@@ -59,6 +59,15 @@ def test_a_page_stays_short_for_any_steps(capsys: pytest.CaptureFixture[str], tm
     assert len(page.splitlines()) < 18
 
 
+def test_a_single_block_has_no_neighbour(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "post.yaml"
+    path.write_text("{chunk_size: 1, boundary: none, seed: 1, obstacles: [{kind: matrix, rows: ['2']}]}")
+    blocks, rough, climb, *_ = printed(capsys, path).splitlines()
+    assert blocks == "rse_0000, seed 1: 1 block of 10 x 10 cm; frames are not blocks"
+    assert rough == "Blocks are 20 to 20 cm high; none has a neighbour."
+    assert climb == "To cross it, a robot must climb steps of 20 cm west to east and 20 cm south to north."
+
+
 LOW = ("--obstacle", "random levels=2", "--unit-cm", "1", "--boundary", "none", "--seed", "1")
 
 

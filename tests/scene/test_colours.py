@@ -46,6 +46,23 @@ def test_black_or_white_text_is_legible_on_every_height(height: float) -> None:
     assert max((ground + 0.05) / 0.05, 1.05 / (ground + 0.05)) >= 4.5
 
 
+@pytest.mark.parametrize(
+    ("colour", "lab"),
+    [((1, 1, 1), (1, 0, 0)), ((1, 0, 0), (0.62796, 0.22486, 0.12585)), ((0, 0, 1), (0.45201, -0.03246, -0.31153))],
+)
+def test_primary_colours_are_where_css_has_them_in_oklab(colour: Colour, lab: tuple[float, float, float]) -> None:
+    assert oklab(colour) == pytest.approx(lab, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("height", "colour"),
+    [(0, (0.22, 0.2, 0.42)), (0.0875, (0.17, 0.38, 0.6)), (0.525, (0.45, 0.74, 0.38)), (1.4, (0.95, 0.84, 0.29))],
+)
+def test_fifths_of_the_ramp_are_its_own_colours(height: float, colour: Colour) -> None:
+    # Of the middle of 35 cm, 1/4, 3/2 and 4 times are 1/5, 3/5 and 4/5 of the ramp.
+    assert height_colour(height) == pytest.approx(colour, abs=1e-3)
+
+
 def test_a_height_has_one_colour_on_all_standard_maps() -> None:
     found: dict[float, set[str]] = {}
     for unit, levels in ((10, 3), (5, 9), (20, 2)):

@@ -135,6 +135,17 @@ def test_heights_that_do_not_fit_into_memory_are_refused_before_they_are_read(
         imported(tmp_path / "heights.npy", importer_for(tmp_path / "heights.npy")())
 
 
+@pytest.mark.parametrize(("free", "maps"), [(300_000, 1), (50_205_000, 1), (100_410_000, 2), (1_000_000_000, 19)])
+def test_no_more_maps_are_made_at_once_than_fit_into_memory(
+    free: int, maps: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A worker has 50 MB, and a map of 100 cells 50 bytes for each, and 2000 for each while a piece is meshed.
+    monkeypatch.setattr(resources, "_free_memory", lambda: free)
+    recipe = Recipe(seed=1, boundary="none")
+    assert check_needs([recipe], 5, tmp_path) == maps
+    assert resources.maps_in_memory(recipe) == maps
+
+
 GB = 10**9
 MEASURED = {
     ("world", 2000): 288,

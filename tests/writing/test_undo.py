@@ -221,3 +221,18 @@ def test_no_folder_is_made_below_a_file_or_of_a_name_that_is_too_long(tmp_path: 
         with ExitStack() as made, pytest.raises(OSError, match=os.strerror(number)):
             undo.make_folder(tmp_path / place, made)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_damaged_files_are_counted_next_to_the_one_that_is_named(tmp_path: Path) -> None:
+    put_files(tmp_path, "new", "abc")
+    said = []
+    for name in "abc":
+        (tmp_path / f"{name}.csv").write_text("changed")
+        with pytest.raises(FilesDamaged) as damaged:
+            verify(tmp_path)
+        said.append(str(damaged.value).partition("after rsegen wrote it")[2])
+    assert said == [
+        "",
+        "; 1 more file in this folder is changed, missing or empty",
+        "; 2 more files in this folder are changed, missing or empty",
+    ]

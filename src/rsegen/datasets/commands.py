@@ -181,7 +181,8 @@ def _series_lines(made: Series) -> Iterator[str]:
 
     rows, there, written = made.rows, len(made.rows) - len(made.maps), lengths_in(made.plan.recipe.units)
     already = f", {there} existed before" if there else ""
-    yield f"{len(rows)} maps in {made.folder}, seed {made.plan.recipe.seed}{already}; lengths in {written.name}:"
+    maps, seed = counted(len(rows), "map"), made.plan.recipe.seed
+    yield f"{maps} in {made.folder}, seed {seed}{already}; lengths in {written.name}:"
     width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
     names, unit = ("rms asked", "rms step") if by_default else ("asked", "measured"), made.plan.metric.unit
     yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))

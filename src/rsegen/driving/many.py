@@ -172,11 +172,11 @@ class ManyDrives(Reported):
         if times:
             yield f"  median time of crossing {np.median(times):.3g} s"
         if tipped := sum(drive.tipped > 0 for drive in self.drives):
-            yield f"  tipped over on {tipped} maps"
+            yield f"  tipped over on {tipped} map{'' if tipped == 1 else 's'}"
         failed = [drive for drive in self.drives if drive.failed]
         yield from (f"  map {drive.map} has no result: {drive.failed}" for drive in failed[:_FAILED])
-        if len(failed) > _FAILED:
-            yield f"  and {len(failed) - _FAILED} more maps have no result"
+        if more := len(failed[_FAILED:]):
+            yield f"  and {more} more {'map has' if more == 1 else 'maps have'} no result"
 
     def csv(self) -> Iterator[bytes]:
         """Yield the lines of drives.csv."""

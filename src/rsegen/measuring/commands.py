@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rsegen.cli.flags import add_target_flags, add_target_recipe_flags, maps_of_flags
 from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, share_bar
+from rsegen.cli.report import Report, counted, share_bar
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import CrossingModel, StepLimits, predictions, robot_kinds, robot_that_crosses
 from rsegen.params.command import Shell, add_flags, given
@@ -273,7 +273,7 @@ def _page(
     blocks, written = sum(measures.spread.level_counts.values()), lengths_in(scene.recipe.units)
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
-    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
+    yield f"{scene.name}, seed {scene.recipe.seed}: {counted(blocks, 'block')} of {size}; frames are not blocks"
     yield from _verdict(scene, measures, predicted, crosser)
     yield ""
     # From single blocks to their neighbours, to the whole map, and at last to what crosses it.
@@ -316,8 +316,11 @@ def _verdict(
         steps, opens = measures.steps, measures.opening
         heights = f"{written.measured(measures.spread.lowest)} to {written.with_unit(measures.spread.highest)}"
         mean, highest = (written.with_unit(step) for step in (steps.mean, steps.highest))
+        differ = (
+            f"neighbours differ by {mean} on average, by {highest} at most" if steps.counts else "none has a neighbour"
+        )
         climbs = " and ".join(f"{written.with_unit(getattr(opens, side))} {name}" for side, name in _SIDES.items())
-        yield f"Blocks are {heights} high; neighbours differ by {mean} on average, by {highest} at most."
+        yield f"Blocks are {heights} high; {differ}."
         yield f"To cross it, a robot must climb steps of {climbs}."
         return
     subject = _subject(crosser, scene.units)

@@ -186,7 +186,10 @@ class Rating(Reported):
             yield f"{curve.sentence(self.fields_in_words, self.robot)}, seed {self.recipe.seed}"
             failed = [trial for trial in curve.trials if trial.crossed is None]
             if failed:
-                yield f"  {len(failed)} trials have no result; the first: {failed[0].failed}"
+                many = (
+                    "1 trial has no result" if len(failed) == 1 else f"{len(failed)} trials have no result; the first"
+                )
+                yield f"  {many}: {failed[0].failed}"
         yield from (f"note: {note}" for note in self.notes)
 
     def as_json(self) -> dict[str, object]:
