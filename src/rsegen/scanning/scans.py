@@ -206,9 +206,8 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
         whole = _in_all(cloud, settings, known)
     except ScanError as error:
         refused = error
-    apart = (
-        None if whole and not is_doubtful(whole, settings, known) else find_field_apart(cloud.points, settings, known)
-    )
+    is_sure = whole is not None and not is_doubtful(whole, settings, known)
+    apart = None if is_sure else find_field_apart(cloud.points, settings, known)
     # Parts of a field of few obstacles have its blocks; of a room that looks like blocks they have others.
     if whole and (not apart or abs(apart[0].measured_width / whole.measured_width - 1) < _AS_WIDE):
         apart = whole, cloud.points

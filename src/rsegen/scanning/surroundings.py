@@ -46,7 +46,6 @@ _FLOOR = 0.3
 _MOST_THINGS = 3
 """Largest things that are looked at, of each width of cells."""
 
-
 _LEAST_TABLE = 0.05
 """Height of a table above the floor, at the least, as a share of the width of the cloud: 15 cm in a room of 3 m."""
 
@@ -110,8 +109,9 @@ def _table(upright: Array) -> float:
 
 
 def _width(upright: Array) -> float:
-    """Return the width of an upright cloud without outliers [m]."""
-    return float(np.ptp(np.quantile(sample(upright)[:, :2], [0.02, 0.98], axis=0), axis=0).max())
+    """Return the width of an upright cloud without outliers [m]; at least a fifth of that with all, as for a pole."""
+    own = np.ptp(np.quantile(sample(upright)[:, :2], [0.02, 0.98], axis=0), axis=0).max()
+    return float(max(own, np.ptp(upright[:, :2], axis=0).max() / 5))
 
 
 def _things_apart(points: Array, ground: GroundFrame) -> Iterator[list[Array]]:
