@@ -333,11 +333,12 @@ def test_pages_of_one_document_take_and_stop_no_search_of_each_other(host: Host,
             opened.searches["reach", "other"] = object()  # one that waits
             robots.stop(host, doc=doc, of="reach")
         opened.remove(listeners[1])
-        watch(0.5)
-    shares = {
-        page: [event["share"] for event in events if event["event"] == "progress"] for page, events in heard.items()
+        watch(0.5, "drives")
+    steps = {
+        page: [(event["step"], event["share"]) for event in events if event["event"] == "progress"]
+        for page, events in heard.items()
     }
-    assert shares == {"one": [0.5], "other": []}
+    assert steps == {"one": [("drives", 0.5)], "other": []}
     opened.remove(listeners[0])
 
 

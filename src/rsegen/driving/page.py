@@ -128,7 +128,7 @@ class DrawnCrossing(TypedDict):
 @call_of_host
 def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnCrossing:
     """Return how surely a robot gets across a map, with all its drives."""
-    with host.opened(doc).newest_turn("crossing") as watch, watched(lambda _, share: watch(share)):
+    with host.opened(doc).newest_turn("crossing") as watch, watched(lambda step, share: watch(share, step)):
         scene = scene_of_document(host, doc, index)
         predicted = predictions(robot_of_page(host, robot), scene)
     named = {side.replace("_", " to "): prediction for side, prediction in predicted.items()}

@@ -105,10 +105,11 @@ class FileChanged(TypedDict):
 
 
 class SearchProgress(TypedDict):
-    """Progress of a search, 0 to 1."""
+    """Progress of a search, 0 to 1, or of one of its steps."""
 
     event: Literal["progress"]
     of: Search
+    step: str  # in words; empty if it has one alone
     share: float
 
 
@@ -236,20 +237,20 @@ class Opened:
         """Wait until no search of this name is done; a UserError for a request that a newer one of its page replaced.
 
         So of those that wait the newest of each page alone is done, and none whose page has gone. Yields a function for
-        what takes seconds to call now and then, with the share that is done if the page shall see it: it raises that
-        error too.
+        what takes seconds to call now and then, with the share that is done, and of which step, if the page shall see
+        it: it raises that error too.
         """
         asker = _ASKER.get() or Asker()
         self.searches[name, asker.page] = own = object()
         last_sent = 0.0
 
-        def watch(share: float | None = None) -> None:
+        def watch(share: float | None = None, step: str = "") -> None:
             nonlocal last_sent
             if asker.has_left or self.searches.get((name, asker.page)) is not own:
                 raise UserError("it was stopped, or a newer request replaced it")
             if share is not None and time.monotonic() - last_sent > _SENT_EVERY:
                 last_sent = time.monotonic()
-                self.send({"event": "progress", "of": name, "share": share}, asker.page)
+                self.send({"event": "progress", "of": name, "step": step, "share": share}, asker.page)
 
         try:
             # Who waited here and is no longer the newest is refused before it starts.

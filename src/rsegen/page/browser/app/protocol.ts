@@ -502,10 +502,11 @@ export interface FileChanged {
   changed_on_disk: boolean;
 }
 
-/* Progress of a search, 0 to 1. */
+/* Progress of a search, 0 to 1, or of one of its steps. */
 export interface SearchProgress {
   event: "progress";
   of: "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
+  step: string; // in words; empty if it has one alone
   share: number;
 }
 

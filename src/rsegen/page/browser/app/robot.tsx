@@ -38,7 +38,7 @@ function Legend({ map, shown }: { map: PoseMap; shown: "tilt" | "margin" | "reas
   );
 }
 
-const WORDS = { tilt: "Computing how it stands at every place", reach: "Computing where it can drive", crossing: "Simulating many drives across", way: "Searching for the best way" };
+const WORDS = { tilt: "Computing how it stands at every place", reach: "Computing where it can drive", crossing: "Predicting whether it gets across", way: "Searching for the best way" };
 
 /* The search that is under way, and a way to stop it. */
 function Searching() {
@@ -46,7 +46,7 @@ function Searching() {
   if (!now) return null;
   return (
     <div class="searching" role="status">
-      <p class="note">{WORDS[now.of]} …</p>
+      <p class="note">{WORDS[now.of]}{now.step && `: ${now.step}`} …</p>
       <progress max={1} value={now.share || undefined} aria-label={WORDS[now.of]} />
       <Button icon="close" class="quiet" title="Stop the search" onClick={stopSearch} />
     </div>

@@ -48,7 +48,7 @@ export const crossing = signal<DrawnCrossing | null>(null); // a prediction
 export const wayStart = signal<[number, number] | null>(null);
 export const way = signal<DrawnWay | null>(null);
 export type Searched = "tilt" | "reach" | "crossing" | "way";
-export const searching = signal<{ of: Searched; share: number } | null>(null); // of the robot on the map
+export const searching = signal<{ of: Searched; step: string; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const played = signal(""); // the folder of the drive that is played, for the address
 export const second = signal(0);
@@ -264,7 +264,7 @@ async function restore(asked: URLSearchParams): Promise<void> {
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
   if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
-  if (event.event === "progress" && searching.value?.of === event.of) searching.value = { ...searching.value, share: event.share };
+  if (event.event === "progress" && searching.value?.of === event.of) searching.value = { ...searching.value, step: event.step, share: event.share };
   if (event.event === "file" && held) take({ ...held, changed_on_disk: event.changed_on_disk });
 }
 
@@ -475,7 +475,7 @@ async function search<N extends Searched>(
 ): Promise<Calls[N]["result"] | null> {
   if (searching.value?.of !== of) stopSearch(); // one of its own sort is stopped by the server
   const own = ++searches;
-  searching.value = { of, share: 0 };
+  searching.value = { of, step: "", share: 0 };
   try {
     const found = await ask(of, { ...ofRobot(), ...args } as Own<N>);
     return own === searches ? found : null;
