@@ -46,6 +46,9 @@ _FLOOR = 0.3
 _MOST_THINGS = 3
 """Largest things that are looked at, of each width of cells."""
 
+_OVERHANG = 0.1
+"""Share of a block by which points of a field may be next to it, as its grid is found before its unit is exact."""
+
 _LEAST_TABLE = 0.05
 """Height of a table above the floor, at the least, as a share of the width of the cloud: 15 cm in a room of 3 m."""
 
@@ -77,9 +80,11 @@ def find_field_apart(points: Array, settings: ScanSettings, known: StepField | N
 
 
 def _closer(scan: Scan, points: Array, settings: ScanSettings, known: StepField | None) -> tuple[Scan, Array]:
-    """Return a field as its own points and those of a few rows of floor show it: others change its unit a little."""
-    half = (np.array(scan.levels.shape) / 2 + FLOOR_ROWS + 1) * scan.measured_width
-    own = points[(np.abs(scan.placed(points)[:, :2]) < half).all(axis=1)]
+    """Return a field as its own points and those of a few rows of floor show it: things next to it change its unit."""
+    placed = scan.placed(points)
+    beside = (np.abs(placed[:, :2]) / scan.measured_width - np.array(scan.levels.shape) / 2).max(axis=1)
+    is_floor = (placed[:, 2] < scan.measured_unit / 2) & (beside < FLOOR_ROWS + 1)
+    own = points[(beside < _OVERHANG) | is_floor]
     with suppress(ScanError):
         closer = find_field(own, settings, known)
         if closer.levels.size == scan.levels.size and closer.has_floor:
