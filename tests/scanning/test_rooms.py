@@ -15,6 +15,7 @@ from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.scan import SURE
+from tests.scanning.test_find_field import cloud_of, field_of, right_turn
 from tests.support.long import long_unless
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -76,3 +77,25 @@ def test_far_outliers_and_points_that_are_no_numbers_change_nothing(cubes: tuple
     others = np.array([[np.nan, 0, 0], [1e6, 0, 0], [0, -1e6, 3]])
     scan = rsegen.scan(np.concatenate([others, cloud])).scan
     assert np.array_equal(scan.levels, rsegen.scan(cloud).scan.levels)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_carton_next_to_a_field_does_not_change_its_unit(seed: int) -> None:
+    field = field_of(seed, boundary="none")
+    heights = np.zeros((18, 10))
+    heights[:10] = field.heights
+    heights[13:17, 3:8] = 0.33
+    both = rsegen.StepField(
+        levels=np.rint(heights * 1000).astype(np.int16),
+        frame=np.zeros(heights.shape, bool),
+        block_width=0.1,
+        unit=0.001,
+        frame_height=0,
+    )
+    cloud = cloud_of(both)
+    assert abs(find_field(cloud).measured_unit / field.unit - 1) > 0.004
+    scanned = rsegen.scan(cloud)
+    assert scanned.scan.measured_unit == pytest.approx(field.unit, rel=0.002)
+    assert 0.03 < scanned.left_out / len(cloud) < 0.6
+    assert scanned.scan.whole is None
+    right_turn(scanned.scan, field)

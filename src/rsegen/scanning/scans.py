@@ -28,7 +28,7 @@ from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
-from rsegen.scanning.surroundings import find_field_apart, is_doubtful
+from rsegen.scanning.surroundings import find_field_apart, is_doubtful, without_others
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
@@ -213,7 +213,7 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
         apart = whole, cloud.points
     if not apart:
         raise refused
-    scan, points = apart
+    scan, points = without_others(*apart, settings, known)
     if settings.blocks is None and not known:
         _refuse_unended(scan, cloud)
     found = replace(

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,12 @@ _MOST_THINGS = 3
 _OVERHANG = 0.1
 """Share of a block by which points of a field may be next to it, as its grid is found before its unit is exact."""
 
+_ROWS = FLOOR_ROWS + 1.5
+"""Rows of floor around a field that are kept; half a row, as a cloud that ends at a line of the grid may go on."""
+
+_FEW_OTHERS = 0.03
+"""Share of the points that may be above the floor next to a field: outliers are, and change nothing."""
+
 _LEAST_TABLE = 0.05
 """Height of a table above the floor, at the least, as a share of the width of the cloud: 15 cm in a room of 3 m."""
 
@@ -75,20 +82,24 @@ def find_field_apart(points: Array, settings: ScanSettings, known: StepField | N
                 if found.has_floor and not is_doubtful(found, settings, known):
                     fields.append((found, thing + middle))
         if fields:
-            return _closer(*max(fields, key=lambda field: bits_saved(field[0])), settings, known)
+            return max(fields, key=lambda field: bits_saved(field[0]))
     return None
 
 
-def _closer(scan: Scan, points: Array, settings: ScanSettings, known: StepField | None) -> tuple[Scan, Array]:
-    """Return a field as its own points and those of a few rows of floor show it: things next to it change its unit."""
+def without_others(scan: Scan, points: Array, settings: ScanSettings, known: StepField | None) -> tuple[Scan, Array]:
+    """Return a field as its own points and those of some rows of floor show it, if other things stand next to it.
+
+    Their tops are at any height, and so change the unit a little.
+    """
     placed = scan.placed(points)
     beside = (np.abs(placed[:, :2]) / scan.measured_width - np.array(scan.levels.shape) / 2).max(axis=1)
-    is_floor = (placed[:, 2] < scan.measured_unit / 2) & (beside < FLOOR_ROWS + 1)
-    own = points[(beside < _OVERHANG) | is_floor]
-    with suppress(ScanError):
-        closer = find_field(own, settings, known)
-        if closer.levels.size == scan.levels.size and closer.has_floor:
-            return closer, own
+    is_low = placed[:, 2] < scan.measured_unit / 2
+    own = (beside < _OVERHANG) | (is_low & (beside < _ROWS))
+    if (~is_low & (beside > _OVERHANG)).mean() > _FEW_OTHERS:
+        with suppress(ScanError):
+            alone = find_field(points[own], settings, known)
+            if alone.levels.size == scan.levels.size and alone.has_floor:
+                return replace(alone, open_sides=scan.open_sides, apart=scan.apart, whole=scan.whole), points[own]
     return scan, points
 
 
