@@ -14,7 +14,7 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes, solver_notes
+from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes, solver_notes, still_notes
 from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.plots import trajectory_plot
 from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
@@ -24,10 +24,13 @@ from rsegen.robots.files.sdf_file import from_file
 from rsegen.robots.lookup import DrivableRobot, robot_of_kind
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.embedded import embedded_simulator
 from rsegen.simulators.poses import Pose
+from tests.robots.two_wheels import ROS_1, two_wheels
 
 SCENE = compose(rsegen.Recipe(name="course", seed=1, boundary="none", obstacles=(rsegen.Random(levels=2),)))
 CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11.1.0", commands={})
+MUJOCO = embedded_simulator(None)
 T = np.arange(0, 10.01, 0.05)
 BURGER = robot_of_kind("burger")
 
@@ -44,7 +47,8 @@ def driven(run: RobotRun, along: Callable[[np.ndarray], np.ndarray], roll: float
 
 def notes(run: RobotRun, track: Trajectory, route: str, attempts: int = 1) -> Sequence[str]:
     recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[], attempts=attempts)
-    return list(drive_notes(CLASSIC, [run], recording, route, contacts=False, picture=False))
+    of_drive = drive_notes(CLASSIC, [run], recording, contacts=False, picture=False)
+    return [*of_drive, *still_notes(CLASSIC, [run], recording, route, None)]
 
 
 @pytest.mark.parametrize(("height", "said"), [(10, "10 cm"), (2.5, "2.5 cm")])
@@ -131,6 +135,27 @@ def test_a_robot_that_hardly_moves_before_it_reaches_the_map_is_noted(route: str
     assert "left_axle, right_axle" in note
     (spinning,) = notes(run, driven(run, lambda t: 0.001 * (np.arange(len(t)) % 2)), route)
     assert "moved 0.00 m" in spinning
+
+
+@pytest.mark.parametrize(
+    ("here", "motors", "is_light"),
+    [
+        (MUJOCO, None, False),
+        (MUJOCO, "reaction", False),
+        (MUJOCO, "classic", True),
+        (CLASSIC, None, True),
+        (replace(CLASSIC, simulator=SIMULATORS["sim"]), None, False),
+    ],
+)
+def test_light_wheels_are_doubted_only_where_motors_have_no_torque(
+    tmp_path: Path, here: Any, motors: str | None, *, is_light: bool
+) -> None:
+    (tmp_path / "mine.sdf").write_text(two_wheels(ROS_1).replace("<izz>0.0008</izz>", "<izz>1e-5</izz>"))
+    run = run_of("straight", from_file(tmp_path / "mine.sdf"))
+    recording = DriveRecording(trajectories={run.name: driven(run, lambda t: 0.001 * t)}, samples=[], errors=[])
+    (note,) = still_notes(here, [run], recording, "straight", motors)
+    assert "perhaps left_hub, right_hub do not turn" in note
+    assert ("its wheels are light" in note) == is_light
 
 
 @pytest.mark.parametrize("route", ["straight", "way"])

@@ -546,3 +546,23 @@ def test_enough_inertia_for_a_drive_without_torque_is_enough(tmp_path: Path) -> 
     enough = re.search(r"about its axis to (\S+) kg m\^2", light)
     assert enough is not None
     assert not read(tmp_path, two_wheels(ROS_1).replace("<izz>0.0008</izz>", f"<izz>{enough[1]}</izz>")).light_wheels
+
+
+@pytest.mark.parametrize(
+    ("limits", "speed", "turn"),
+    [
+        ("<max_velocity>0.8</max_velocity>", 0.8, 0.8),
+        ("<max_velocity>0.3</max_velocity><max_angular_velocity>1.5</max_angular_velocity>", 0.3, 1.5),
+        ("<max_linear_velocity>0.4</max_linear_velocity><max_velocity>0.3</max_velocity>", 0.4, 0.3),
+        ("<max_linear_velocity>0.4</max_linear_velocity>", 0.4, 0.5),
+    ],
+)
+def test_a_velocity_of_gazebo_sims_wheels_limits_their_speed_and_turn_rate(
+    tmp_path: Path, limits: str, speed: float, turn: float
+) -> None:
+    """Gazebo Sim's DiffDrive and MecanumDrive take `max_velocity` for both, and those of one of them before it."""
+    own = "<max_linear_velocity>0.3</max_linear_velocity><max_angular_velocity>1.5</max_angular_velocity>"
+    assert own in GZ
+    robot = read(tmp_path, two_wheels(GZ.replace(own, limits)))
+    assert (robot.drive.speed, robot.drive.turn) == (speed, turn)
+    assert ("turn" in robot.assumed) == ("angular" not in limits and "max_velocity" not in limits)

@@ -111,6 +111,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_output,
         short_notes,
         solver_notes,
+        still_notes,
     )
     from rsegen.driving.planning import planned_runs, predictor_for
     from rsegen.driving.recording import record_drive, record_embedded
@@ -158,7 +159,8 @@ def drive(  # noqa: PLR0913  # each is a flag
         robots=driven,
         errors=tuple(recording.errors),
         notes=(
-            *drive_notes(here, runs, recording, route, contacts=contacts, picture=picture),
+            *drive_notes(here, runs, recording, contacts=contacts, picture=picture),
+            *still_notes(here, runs, recording, route, motors),
             *frame_notes(scene, runs, recording),
             *short_notes(found, driven, duration),
             *solver_notes(here.backend, scene, found, driven),

@@ -35,6 +35,7 @@ from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
 from rsegen.robots.files.sdf_file import SdfRobot
 from rsegen.robots.lookup import DrivableRobot, chosen_robot
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.embedded import EmbeddedSimulator
@@ -254,7 +255,6 @@ def drive_notes(
     here: Installation | EmbeddedSimulator,
     runs: Sequence[RobotRun],
     recording: DriveRecording,
-    route: str,
     *,
     contacts: bool,
     picture: bool,
@@ -269,14 +269,25 @@ def drive_notes(
         yield f"{here} does not record contacts of a drive"
     if picture and "pictures" in here.drives_without:
         yield f"{here} cannot take pictures of a drive"
+
+
+def still_notes(
+    here: Installation | EmbeddedSimulator,
+    runs: Sequence[RobotRun],
+    recording: DriveRecording,
+    route: str,
+    motors: str | None,
+) -> Iterator[str]:
+    """Yield a note on each robot that hardly moved, and why that may be; `motors`: how they acted in MuJoCo."""
     # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
     tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
     still = [name for name in tracked if recording.trajectories[name].is_still]
     if still and here.backend in ("sim", "fortress"):
         yield f"{', '.join(still)} did not move: tracks need the physics engine DART 6.13 or later in {here}"
         return
+    has_torque = here.backend != "classic" and motors != MOTORS[1]
     for run in runs:
-        yield from _hardly_moved(run, recording.trajectories[run.name], route)
+        yield from _hardly_moved(run, recording.trajectories[run.name], route, has_torque=has_torque)
 
 
 def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecording) -> Iterator[str]:
@@ -331,8 +342,11 @@ _NOTICED = 1.0
 """Seconds after which a robot that hardly moves is noticed: one that starts has its speed after some tenths."""
 
 
-def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator[str]:
-    """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason."""
+def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str, *, has_torque: bool) -> Iterator[str]:
+    """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason.
+
+    has_torque: whether its motors have one, so that light wheels push as well
+    """
     # A robot is on level ground in the gap before the map. Only half of it counts, as one that stands at the first
     # block may not have come all of it. On a random route a block may hold a robot anywhere.
     drive, _ = possible_part(trajectory, run.robot.driving_speed, run.robot.size)
@@ -347,7 +361,7 @@ def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator
     share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
     parts = ", ".join((*run.robot.drive.left, *run.robot.drive.right))
     doubt = f"perhaps {parts} do not turn, do not touch the ground, or are not what it drives on"
-    if isinstance(run.robot, SdfRobot) and (light := run.robot.light_wheels):
+    if not has_torque and isinstance(run.robot, SdfRobot) and (light := run.robot.light_wheels):
         doubt += f"; or, without a reaction of its motors, {light}"
     if route == Wandering.name:
         yield f"{share}: it is stuck where it started, or {doubt}"

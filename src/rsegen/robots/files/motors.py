@@ -108,5 +108,5 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
         f"its wheels are light: Gazebo Classic's drive sets their speed without a torque, so with {min(moments):.2g}"
         f" kg m^2 they push with {newtons:.3g} N at {speed:g} m/s, and the robot weighs {weight:.3g} N: a caster or a"
         f" step may stop it; set the inertia of each wheel about its axis to {enough:.1g} kg m^2, which is enough on"
-        " level ground, or drive it in MuJoCo, whose motors have a torque"
+        " level ground, or drive it in MuJoCo, whose motors have a torque unless they act as Classic's"
     )

@@ -321,7 +321,9 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     separation = positive_number(plugin, frames.where, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = positive_number(plugin, frames.where, "wheel_diameter", "wheelDiameter")
     radius = positive_number(plugin, frames.where, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    said = Controller("its plug-in", left, right, separation, radius, *_limits(plugin, frames))
+    speed, turn = _limits(plugin, frames)
+    turn = turn or positive_number(plugin, frames.where, "max_velocity")  # of Gazebo Sim's, both m/s and rad/s
+    said = Controller("its plug-in", left, right, separation, radius, speed, turn)
     read = _of_wheels(said, frames, Controls())
     if read is None or not isinstance(read.drive, Wheels):
         return None
