@@ -164,6 +164,11 @@ def _size(scan: Scan) -> Iterator[str]:
             f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
             "set --size, or cut them out of the cloud"
         )
+    if scan.beside:
+        yield (
+            f"warning: {scan.beside} cells near the field are as high as blocks: if they are a part of it, beyond rows "
+            "at level 0, set --size"
+        )
     if scan.whole:
         whole, (n_x, n_y) = "x".join(map(str, scan.whole)), scan.levels.shape
         yield (

@@ -33,7 +33,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField, framed
 from rsegen.params.sorts import Cell
 from rsegen.scanning.levels import Reading
 
-_NEIGHBOURS = 2
+NEIGHBOURS = 2
 """Blocks at most this many cells apart belong to the same field.
 
 2 leaps over one row at level 0, or one that no camera saw. With 1 such a row cuts the field in two; with more,
@@ -161,10 +161,10 @@ def _largest_group(raised: Mask) -> Mask:
 
 
 def _spread(labels: Ints) -> Ints:
-    """Return the largest label within _NEIGHBOURS cells of each cell along x and y."""
+    """Return the largest label within NEIGHBOURS cells of each cell along x and y."""
     for axis in (0, 1):
-        padded = np.pad(labels, [(_NEIGHBOURS, _NEIGHBOURS) if side == axis else (0, 0) for side in (0, 1)])
-        labels = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=axis).max(axis=-1)
+        padded = np.pad(labels, [(NEIGHBOURS, NEIGHBOURS) if side == axis else (0, 0) for side in (0, 1)])
+        labels = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=axis).max(axis=-1)
     return np.asarray(labels)
 
 

@@ -59,6 +59,7 @@ class Scan:
     open_sides: sides next to which almost no cell was seen, so the field may be larger; none with frames or a size.
     whole: cells of the whole cloud, if it ends at lines of the grid around a larger rectangle without frames.
     apart: raised cells outside of it; none with frames or a size.
+    beside: cells around it that are as high as blocks, which may be obstacles of it; none with frames or a size.
     floor_rows: of cells of the floor next to it, on the side that has most.
     is_up_assumed: whether up is that of the axes of the cloud, as nothing else tells it.
     rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
@@ -84,6 +85,7 @@ class Scan:
     open_sides: tuple[str, ...] = ()
     whole: Cell | None = None
     apart: int = 0
+    beside: int = 0
     floor_rows: int = 0
     is_up_assumed: bool = False
 

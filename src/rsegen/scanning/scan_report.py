@@ -57,6 +57,7 @@ def scan_content(scan: Scan, points: int, left_out: int = 0) -> dict[str, Any]:
         "level_0_is_assumed": not scan.has_floor,
         "open_sides": list(scan.open_sides),
         "sides_of_few_raised_cells": list(scan.sparse_edges),
+        "raised_cells_beside": scan.beside,
         "rotation": np.round(scan.rotation, 9).tolist(),
         "translation_m": np.round(scan.translation, 6).tolist(),
         "levels": _lists(scan, scan.levels, seen),

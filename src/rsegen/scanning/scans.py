@@ -28,7 +28,7 @@ from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
-from rsegen.scanning.surroundings import find_field_apart, is_doubtful, without_others
+from rsegen.scanning.surroundings import find_field_apart, is_doubtful, may_be_part, with_beside, without_others
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
@@ -201,19 +201,22 @@ def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, s
 
 def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> tuple[Scan, Array]:
     """Return the field in a cloud, and the points that it was read from: all, or those of one of the things in it."""
-    whole, refused = None, ScanError("")
+    whole, apart, refused = None, None, ScanError("")
     try:
-        whole = _in_all(cloud, settings, known)
+        whole = with_beside(_in_all(cloud, settings, known), cloud.points, settings, known)
     except ScanError as error:
         refused = error
-    is_sure = whole is not None and not is_doubtful(whole, settings, known)
-    apart = None if is_sure else find_field_apart(cloud.points, settings, known)
-    # Parts of a field of few obstacles have its blocks; of a room that looks like blocks they have others.
-    if whole and (not apart or abs(apart[0].measured_width / whole.measured_width - 1) < _AS_WIDE):
+    if not whole or is_doubtful(whole, settings, known):
+        apart = find_field_apart(cloud.points, settings, known)
+    if apart:
+        apart = with_beside(apart[0], cloud.points, settings, known), apart[1]
+    if whole and (not apart or _is_of_whole(apart[0], whole)):
         apart = whole, cloud.points
     if not apart:
         raise refused
     scan, points = without_others(*apart, settings, known)
+    if not whole:
+        _refuse_part(scan)
     if settings.blocks is None and not known:
         _refuse_unended(scan, cloud)
     found = replace(
@@ -222,6 +225,13 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
         whole=scan.whole if cloud.has_floor else None,  # else that of the ground that was added
     )
     return found, points
+
+
+def _is_of_whole(scan: Scan, whole: Scan) -> bool:
+    """Return whether one of the things in a cloud is a part of the field in all of it: parts of few obstacles have its
+    blocks, or others next to them; of a room that looks like blocks they have others.
+    """
+    return may_be_part(scan) or abs(scan.measured_width / whole.measured_width - 1) < _AS_WIDE
 
 
 def _in_all(cloud: Cloud, settings: ScanSettings, known: StepField | None) -> Scan:
@@ -249,6 +259,16 @@ def _refuse_unended(scan: Scan, cloud: Cloud) -> None:
         raise ScanError(
             f"the lowest row around {n_x} x {n_y} blocks, with which the cloud ends, may be floor, blocks or a frame; "
             f"set size, to {n_x}x{n_y} if it is floor"
+        )
+
+
+def _refuse_part(scan: Scan) -> None:
+    """Raise a ScanError if one of the things in a cloud may be a part of the field only."""
+    if may_be_part(scan):
+        n_x, n_y = scan.blocks.shape
+        raise ScanError(
+            f"{n_x} x {n_y} blocks may be a part of the field: {scan.beside} cells near them are as high as blocks; "
+            "set size, or cut everything but the field and its floor out of the cloud"
         )
 
 
