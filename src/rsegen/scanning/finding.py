@@ -41,7 +41,7 @@ from rsegen.scanning.extent import (
     with_open_rows,
 )
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
-from rsegen.scanning.ground import GroundFrame, level_frame, sample
+from rsegen.scanning.ground import GroundFrame, level_frame, plan_width, sample
 from rsegen.scanning.levels import Reading, board_below, find_unit, levelled, read_cells, units_per_level
 from rsegen.scanning.lumber import sold_length
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
@@ -376,9 +376,8 @@ def _unit_and_grid(
 ) -> tuple[float, CloudGrid, float]:
     """Find the height of a unit from flat pixels, then the grid; return both, and the side of the pixels [m]."""
     few = sample(upright)
-    extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
     # A pixel is at most a third of a block, so that a top has flat pixels; of an unknown block 1/60 of the cloud.
-    pixel = pixel_size(few, width / 3 if width else extent / 60)
+    pixel = pixel_size(few, width / 3 if width else plan_width(few) / 60)
     raster = rasterized(few, pixel)
     tops = flat_heights(raster, max(3 * ground.noise, 0.003))  # three deviations; 3 mm without noise
     if (tops > max(3 * ground.noise, 0.005)).sum() < _FEWEST_TOPS:

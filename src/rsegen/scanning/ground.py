@@ -47,7 +47,7 @@ _LEAST_SHARE = 0.01
 _LEAST_LAYERED = 0.35
 """Share of the points that lie in layers, at the least; of points spread evenly over a volume, about a tenth does."""
 
-_SLICES = 150
+SLICES = 150
 """Slices of one tolerance per size of the cloud; see above."""
 
 _CELL = 4
@@ -87,6 +87,11 @@ def sample(points: Array, most: int = MOST_POINTS) -> Array:
     return points[chosen]
 
 
+def plan_width(upright: Array) -> float:
+    """Return how wide an upright cloud (n, 3) is along x or y, without outliers [m]."""
+    return float(np.ptp(np.quantile(sample(upright)[:, :2], [0.02, 0.98], axis=0), axis=0).max())
+
+
 def level_frame(
     points: Array, up: Sequence[float] | None = None, eye: Sequence[float] | Array | None = None
 ) -> GroundFrame:
@@ -98,14 +103,14 @@ def level_frame(
     """
     few = sample(points, 20_000)  # ten times as many as the planes are scored on; the fit itself is linear in them
     scale = float(np.linalg.norm(np.quantile(few, 0.98, axis=0) - np.quantile(few, 0.02, axis=0)))  # without outliers
-    normal = _normal(few, scale / _SLICES, up)
+    normal = _normal(few, scale / SLICES, up)
     heights = few @ normal
     if eye is not None:
         normal = normal * (np.sign(np.median(np.asarray(eye, dtype=float) @ normal - heights)) or 1.0)
     elif up is None:
-        normal = normal * _side(few, heights, normal, scale / _SLICES)
+        normal = normal * _side(few, heights, normal, scale / SLICES)
     heights = few @ normal
-    return _refined(few, normal, _lowest_layer(heights, scale / _SLICES), scale / _SLICES)
+    return _refined(few, normal, _lowest_layer(heights, scale / SLICES), scale / SLICES)
 
 
 def _normal(points: Array, tolerance: float, up: Sequence[float] | None) -> Array:

@@ -26,14 +26,11 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.scanning.evidence import CERTAIN, FEWEST_BITS, bits_saved, stepped_lines
 from rsegen.scanning.extent import FLOOR_ROWS, NEIGHBOURS
 from rsegen.scanning.finding import find_field, usable
-from rsegen.scanning.ground import GroundFrame, level_frame, sample
+from rsegen.scanning.ground import SLICES, level_frame, plan_width, sample
 from rsegen.scanning.scan import Scan, ScanSettings
 
 _CELLS = (12, 25, 50, 100)
 """Cells of the plan across the cloud."""
-
-_SLICES = 150
-"""Level layers of a cloud that is as high as it is wide, as for the ground."""
 
 _RAISED = 0.1
 """Share of a cell's points above the ground from which it is raised: outliers are a fiftieth."""
@@ -169,36 +166,39 @@ def _raised_beside(scan: Scan, points: Array) -> int:
 def _things(points: Array, up: Sequence[float] | None, eye: Array | None) -> Iterator[list[Array]]:
     """Yield things that may be fields, some at a time: on the floor, all on a table together, and each on it."""
     ground = level_frame(points, up, eye)
-    yield from _things_apart(points, ground)
+    upright = ground.apply(points)
+    yield from _things_apart(points, upright, ground.noise)
     with suppress(ScanError):
-        on_table = points[ground.apply(points)[:, 2] > _table(ground.apply(sample(points)))]
+        on_table = points[upright[:, 2] > _table(sample(upright))]
         yield [on_table]
-        yield from _things_apart(on_table, level_frame(on_table, up, eye))
+        table = level_frame(on_table, up, eye)
+        yield from _things_apart(on_table, table.apply(on_table), table.noise)
 
 
 def _table(upright: Array) -> float:
     """Return the height from which points are on a table, or are of its top: the widest layer above the floor [m]."""
     width = _width(upright)
-    slices = np.floor(upright[:, 2] / (width / _SLICES)).astype(np.int64)
+    slices = np.floor(upright[:, 2] / (width / SLICES)).astype(np.int64)
     plan = np.floor(upright[:, :2] / (width / _CELLS[1])).astype(np.int64)
-    taken = np.unique(np.column_stack([slices, plan])[slices > _LEAST_TABLE * _SLICES], axis=0)
+    taken = np.unique(np.column_stack([slices, plan])[slices > _LEAST_TABLE * SLICES], axis=0)
     if not len(taken):
         raise ScanError("nothing is as high as a table")
-    return float((np.bincount(taken[:, 0]).argmax() - 1) * width / _SLICES)  # points of its top may be a slice lower
+    return float((np.bincount(taken[:, 0]).argmax() - 1) * width / SLICES)  # points of its top may be a slice lower
 
 
 def _width(upright: Array) -> float:
     """Return the width of an upright cloud without outliers [m]; at least a fifth of that with all, as for a pole."""
-    own = np.ptp(np.quantile(sample(upright)[:, :2], [0.02, 0.98], axis=0), axis=0).max()
-    return float(max(own, np.ptp(upright[:, :2], axis=0).max() / 5))
+    return max(plan_width(upright), float(np.ptp(upright[:, :2], axis=0).max()) / 5)
 
 
-def _things_apart(points: Array, ground: GroundFrame) -> Iterator[list[Array]]:
-    """Yield for each width of cells the largest things in a cloud, if there are several: points, with those around."""
-    upright = ground.apply(points)
-    is_above = upright[:, 2] > 3 * ground.noise
+def _things_apart(points: Array, upright: Array, noise: float) -> Iterator[list[Array]]:
+    """Yield for each width of cells the largest things in a cloud, if there are several: points, with those around.
+
+    upright: the same points above their ground; noise: of the ground [m].
+    """
+    is_above, width = upright[:, 2] > 3 * noise, _width(upright)
     for cells in _CELLS:
-        place = np.floor((upright[:, :2] - upright[:, :2].min(axis=0)) / (_width(upright) / cells)).astype(np.int64)
+        place = np.floor((upright[:, :2] - upright[:, :2].min(axis=0)) / (width / cells)).astype(np.int64)
         raised = _raised(place, is_above)
         labels = _labels(raised)
         sizes = np.bincount(labels[raised], minlength=labels.max() + 1)

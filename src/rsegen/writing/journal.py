@@ -482,9 +482,8 @@ def verify(folder: str | Path) -> Verified:
         wrong = [f"{home / name}: was changed after rsegen wrote it" for name in comparison.changed]
         wrong += [f"{home / name}: is missing or empty" for name in comparison.missing]
         if wrong:
-            more = len(wrong) - 1
-            others = f"{more} more files in this folder are" if more > 1 else "1 more file in this folder is"
-            raise FilesDamaged(wrong[0] + (f"; {others} changed, missing or empty" if more else ""))
+            more, are = len(wrong) - 1, "files in this folder are" if wrong[2:] else "file in this folder is"
+            raise FilesDamaged(wrong[0] + (f"; {more} more {are} changed, missing or empty" if more else ""))
         if journal.holds not in ("files", "experiment"):  # which have others beside them
             unlisted += [home / name for name in comparison.foreign]
     files = sum(len(journal.files) for journal in journals.values())
