@@ -15,9 +15,9 @@ def main() -> int:
     """Run the command that this process was started with; gives the exit code."""
     names = ("SIGINT", "SIGHUP", "SIGTERM")
     known = [getattr(signal, name) for name in names if hasattr(signal, name)]  # Windows has no SIGHUP
-    stops = [number for number in known if signal.getsignal(number) is not signal.SIG_IGN]  # nohup ignores SIGHUP
-    for number in stops:
-        signal.signal(number, _end)
+    stop_signals = [code for code in known if signal.getsignal(code) is not signal.SIG_IGN]  # nohup ignores SIGHUP
+    for stop_signal in stop_signals:
+        signal.signal(stop_signal, _end)
     from rsegen.cli.edge import main as run
 
     try:
@@ -28,8 +28,8 @@ def main() -> int:
     except SystemExit as done:  # --help
         return int(done.code or 0)
     finally:  # what is done is done
-        for number in stops:
-            signal.signal(number, signal.SIG_IGN)
+        for stop_signal in stop_signals:
+            signal.signal(stop_signal, signal.SIG_IGN)
 
 
 def _end(number: int, frame: object) -> None:

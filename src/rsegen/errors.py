@@ -18,7 +18,7 @@ RsegenError
 ├── Incomplete           the user's mistake showed only after something was written, which stays; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
 ├── FilesDamaged         files on disk are not what rsegen wrote; exit code 1
-│   └── DatasetDamaged   those of a data set
+│   └── DatasetDamaged   a data set on disk is not what was made
 └── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
     └── NoMessage        bytes that a simulator sent are no message of their type
 """
@@ -303,7 +303,7 @@ _LONGEST = 120
 
 
 class _Repr(reprlib.Repr):
-    """As it is in reprlib, but for numbers that are so long that Python does not write them out."""
+    """The short representations of reprlib, except for numbers too long for Python to write out."""
 
     def repr_int(self, x: int, level: int) -> str:
         """Return the digits of a number, or a few words."""

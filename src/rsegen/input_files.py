@@ -63,6 +63,7 @@ def read_start(path: str | Path, most: int) -> bytes:
             return _read_pipe(descriptor, most)
         if not stat.S_ISREG(kind):
             os.set_blocking(descriptor, True)  # a terminal, at which a person types
+        # In pieces, as `most` may be far more than the file has, and `read` would take memory for all of it at once.
         pieces, left = list[bytes](), most
         while piece := file.read(min(left, _PIECE)):
             pieces.append(piece)
@@ -71,7 +72,7 @@ def read_start(path: str | Path, most: int) -> bytes:
 
 
 def regular_content(path: str | Path, most: int) -> bytes | None:
-    """Return up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
+    """Return up to `most` bytes of a regular file; None if the path has no such file, or it cannot be read."""
     try:
         with open_regular(path) as file:
             return file.read(most)
@@ -139,10 +140,11 @@ def _read_pipe(descriptor: int, most: int) -> bytes:
     while len(content) < most:
         try:
             piece = os.read(descriptor, min(most - len(content), _AT_ONCE))
-        except BlockingIOError:  # a writer has it open
+        except BlockingIOError:  # a writer has it open, and has not written more yet
             _wait(descriptor, _SECONDS_OF_SILENCE)
             had_a_writer = True
             continue
+        # A pipe at its end, and one whose writer has not opened it yet, both read as nothing.
         if not piece and had_a_writer:
             break
         if not piece:
@@ -163,14 +165,14 @@ _DEEPEST = 200
 
 
 def first_inside(path: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
-    """Return the first wanted file in a folder, by its name; None if there is none, or if it is no folder."""
+    """Return the first wanted file in a folder, by its name; None if it has no such file, or is no folder."""
     return min(filter(is_wanted, path.iterdir()), default=None) if path.is_dir() else None
 
 
 def unreadable(path: Path, error: OSError) -> str:
     """Return the message of a file that cannot be read; if a relative path leads nowhere, with the current folder."""
-    here = f" in {Path.cwd()}" if isinstance(error, FileNotFoundError) and not path.is_absolute() else ""
-    return f"{path}: {system_reason(error)}{here}"
+    is_lost = isinstance(error, FileNotFoundError) and not path.is_absolute()
+    return f"{path}: {system_reason(error)}{f' in {Path.cwd()}' if is_lost else ''}"
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
@@ -211,6 +213,7 @@ def xml_root(text: str, where: str) -> ET.Element:
     for prefix, uri in _BOUND.findall(text)[:_MOST_PREFIXES]:
         if not re.fullmatch(r"ns\d+|xml", prefix):  # which ElementTree gives by itself
             ET.register_namespace(prefix, uri)  # so that it is written again under the name that Gazebo knows
+    # Level by level, not by recursion, which a file of a million nested elements would exhaust.
     level, depth = [root], 0
     while level := [child for element in level for child in element]:
         depth += 1
@@ -229,9 +232,11 @@ _MOST_PREFIXES = 50
 
 def _strict(text: str) -> str:
     """Return what is nearly XML as XML, with all lines where they were."""
+    # Comments go first, as they may hold anything; their line breaks stay, for the line numbers of errors.
     text = re.sub(r"<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text.lstrip(), flags=re.DOTALL)
     text = re.sub(r"&(?!#?\w+;)", "&amp;", text)
     bound = {prefix for prefix, _ in _BOUND.findall(text)} | {"xml", "xmlns"}
+    # Prefixes are bound in the root element, to names of our own: nobody looks at what they stand for.
     unbound = [prefix for prefix in dict.fromkeys(_USED.findall(text)) if prefix not in bound][:_MOST_PREFIXES]
     names = "".join(f' xmlns:{prefix}="urn:prefix:{prefix}"' for prefix in unbound)
     return re.sub(r"<[A-Za-z_][\w.-]*", lambda start: start[0] + names, text, count=1)
@@ -268,7 +273,7 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
 
 
 _SILENCE = threading.RLock()
-"""Held while libraries are silent: of threads whose silence overlaps, the last would put back that of another."""
+"""Held while libraries are silent: of threads whose silence overlaps, the last would put back what another has set."""
 
 if sys.platform != "win32":  # a fork waits, so that its child has neither the lock nor the silence of another thread
     os.register_at_fork(before=_SILENCE.acquire, after_in_parent=_SILENCE.release, after_in_child=_SILENCE.release)

@@ -52,10 +52,10 @@ def _words_of(action: Any) -> Callable[..., Iterable[str]] | None:
     parameter = getattr(action, "declared", None)
     if parameter is not None:
         is_list = isinstance(parameter.sort, ListOf)
-        each = parameter._replace(sort=parameter.sort.sort) if is_list else parameter
-        known = parameter.shell.known or each.known_names
-        if known or each.words:
-            return partial(_parts_of_list if is_list else _only_words, known or (lambda: each.words))
+        element = parameter._replace(sort=parameter.sort.sort) if is_list else parameter
+        known = parameter.shell.known or element.known_names
+        if known or element.words:
+            return partial(_parts_of_list if is_list else _only_words, known or (lambda: element.words))
     known = known_words().get(action.dest)
     if known is None:
         return None

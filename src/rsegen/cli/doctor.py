@@ -26,13 +26,14 @@ def add_doctor(command: Parser) -> None:
 def run_doctor(_: argparse.Namespace) -> Report:
     """Look at this machine; no server is started, and what fails is a line of the result."""
     findings = [finding for look in hooks("doctor") if (finding := _finding(look))]
-    here = _environment(findings)
-    content = {**here, "missing": [{"what": what, "remedy": remedy} for what, remedy in _missing(here, findings)]}
+    known = _environment(findings)
+    missing = [{"what": thing, "remedy": remedy} for thing, remedy in _missing(known, findings)]
+    content = {**known, "missing": missing}
     return Report(lines=_diagnosis(content, findings), content=content)
 
 
 def _finding(look: Callable[[], Finding]) -> Finding | None:
-    """Return what a capability finds on this machine; None, with a warning, if that of another package fails."""
+    """Return what a capability finds on this machine; None, with a warning, if another package's fails."""
     try:
         finding = look()
         if not isinstance(finding, Finding):
@@ -82,32 +83,32 @@ def _environment(findings: Sequence[Finding]) -> dict[str, Any]:
     }
 
 
-def _missing(here: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[tuple[str, str]]:
+def _missing(known: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[tuple[str, str]]:
     """Yield what is missing, what it is needed for, and how to get it."""
     from rsegen.params.extras import pip_install
 
-    for name in (name for name, number in here["libraries"].items() if number is None):
+    for name in (name for name, version in known["libraries"].items() if version is None):
         yield f"{name}, which rsegen always needs", f"{sys.executable} -m pip install '{name}'"
     for finding in findings:
         yield from finding.missing
-    for extra in here["extras"]:
+    for extra in known["extras"]:
         if extra["missing"]:
             yield f"{', '.join(extra['missing'])}: {extra['for']}", pip_install([extra["name"]])
 
 
-def _diagnosis(here: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[str]:
-    libraries = ", ".join(f"{name} {number or 'missing'}" for name, number in here["libraries"].items())
-    yield f"rsegen      {here['rsegen']}"
-    yield f"Python      {here['python']}, {here['executable']}"
-    yield f"platform    {here['platform']}"
+def _diagnosis(content: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[str]:
+    libraries = ", ".join(f"{name} {version or 'missing'}" for name, version in content["libraries"].items())
+    yield f"rsegen      {content['rsegen']}"
+    yield f"Python      {content['python']}, {content['executable']}"
+    yield f"platform    {content['platform']}"
     yield f"libraries   {libraries}"
-    yield from (f"plug-in     {plugin}" for plugin in here["plugins"])
+    yield from (f"plug-in     {plugin}" for plugin in content["plugins"])
     for finding in findings:
         yield from _section(finding.title, finding.lines)
-    installed = (extra for extra in here["extras"] if not extra["missing"])
+    installed = (extra for extra in content["extras"] if not extra["missing"])
     yield from _section("Extras", map(_of_extra, installed))
-    yield "\nMissing" if here["missing"] else "\nNothing is missing."
-    for lack in here["missing"]:
+    yield "\nMissing" if content["missing"] else "\nNothing is missing."
+    for lack in content["missing"]:
         yield f"  {lack['what']}\n    {lack['remedy']}"
 
 
@@ -117,5 +118,5 @@ def _section(title: str, lines: Iterable[str]) -> Iterator[str]:
 
 
 def _of_extra(extra: Mapping[str, Any]) -> str:
-    versions = ", ".join(f"{name} {number}" for name, number in extra["versions"].items())
+    versions = ", ".join(f"{name} {version}" for name, version in extra["versions"].items())
     return f"{extra['name']:<10}{versions or 'installed'} (for {extra['for']})"

@@ -106,10 +106,10 @@ def short_warnings() -> Iterator[None]:
 
 
 def failed(error: BaseException, signal: int, command: str | None = None, words: Sequence[str] = ()) -> int:
-    """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code.
+    """Print what went wrong in one line on stderr, if that is open, and return the exit code.
 
-    signal: the number of the one that stopped the command, if it was stopped; command: its name, whose flags are named
-    words: those of the command line
+    signal: the number of the signal that stopped the command, if one did; command: its name, for the flags in messages
+    words: of the command line
     """
     code, message = _code_and_words(error, signal)
     message = in_flags(_of_flag(message, command, words), command)
@@ -146,6 +146,7 @@ def _of_plugin(error: BaseException) -> str:
     """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
     from rsegen.params.plugins import failure, source_of_file
 
+    # The innermost frame of a plug-in counts: below it is what it called, perhaps rsegen again.
     for frame, _ in reversed([*walk_tb(error.__traceback__)]):
         file = frame.f_code.co_filename
         if source := source_of_file(file):
@@ -174,20 +175,18 @@ class Signals:
         can_stop = threading.current_thread() is threading.main_thread()  # no other one may set handlers
         names = ("SIGINT", "SIGTERM", "SIGHUP") if can_stop else ()
         known = [getattr(signal, name) for name in names if hasattr(signal, name)]
-        before = {
-            number: signal.getsignal(number) for number in known if signal.getsignal(number) is not signal.SIG_IGN
-        }
+        before = {code: signal.getsignal(code) for code in known if signal.getsignal(code) is not signal.SIG_IGN}
         stop.STATE.asked, unraisable = False, sys.unraisablehook
-        for number in before:
-            signal.signal(number, self._stop)
+        for code in before:
+            signal.signal(code, self._stop)
         sys.unraisablehook = lambda lost: None if lost.exc_type is KeyboardInterrupt else unraisable(lost)
         try:
             yield
         finally:
             stop.STATE.asked = False  # a later call of this process is not to stop
             sys.unraisablehook = unraisable
-            for number, handler in before.items():
-                signal.signal(number, handler)
+            for code, handler in before.items():
+                signal.signal(code, handler)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         if not self.came:
@@ -212,8 +211,8 @@ def how_to_go_on(*recipes: Recipe, resume: bool = False, then: str = "goes on") 
             raise
         seeds = {recipe.seed for recipe in recipes}
         flags = [*(f"--seed {seed}" for seed in seeds if len(seeds) == 1), *(["--resume"] if resume else [])]
-        given = f" with {' '.join(flags)}" if flags else ""
-        raise Stopped(f"{stopped}; the same command{given} {then}") from None
+        with_flags = f" with {' '.join(flags)}" if flags else ""
+        raise Stopped(f"{stopped}; the same command{with_flags} {then}") from None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

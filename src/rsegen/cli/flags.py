@@ -78,8 +78,8 @@ def _obstacles(*, prefix: str, **_: object) -> Iterable[str]:
     """Return what may stand in a row of an obstacle: a kind, or behind it the parameters."""
     from rsegen.obstacles.base import KINDS, row_parameters
 
-    kind, *rest = prefix.split(" ")
-    if not rest:
+    kind, *values = prefix.split(" ")
+    if not values:
         return KINDS
     names = row_parameters(KINDS[kind]) if kind in KINDS else ()
     return [f"{prefix.rpartition(' ')[0]} {name}=" for name in names]
@@ -116,11 +116,11 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
     given_flags = recipe_flags(arguments)
     if not (added or given_flags):
-        return start
+        return start  # a recipe that is changed is checked anew, which takes long for a large one
     from rsegen.recipe.recipe_file import answered
 
     match given_flags:
-        case {"inventory": [str(name)]} if name:
+        case {"inventory": [str(name)]} if name:  # a file: numbers would have been parsed as numbers
             from rsegen.recipe.inventory_file import inventory_in
 
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", given_flags.get("unit_cm", start.unit_cm))
@@ -129,11 +129,12 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
         obstacles = (*start.obstacles, *added)
         return answered(lambda values: replace(start, **values, obstacles=obstacles), given_flags)
     except ParameterError as error:
+        # An obstacle of a flag is named by its flag; its row in the joined list is nowhere to be seen.
         place = re.match(r"obstacles\[(\d+)\]\.?", error.where)
-        if place is None or (number := int(place[1]) - len(start.obstacles)) < 0:
+        if place is None or (row := int(place[1]) - len(start.obstacles)) < 0:
             raise
         of_obstacle = ParameterError(error.where[place.end() :], error.problem)
-        raise of_obstacle.of(_obstacle_flag(arguments.obstacle[number])) from None
+        raise of_obstacle.of(_obstacle_flag(arguments.obstacle[row])) from None
 
 
 def _obstacle_flag(text: str) -> str:
@@ -195,7 +196,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
-    """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
+    """Yield each recipe of the target with the flags over it, and its file; without a target the flags' recipe."""
     from rsegen.recipe.recipe_file import recipe_in
     from rsegen.writing.target_worlds import recipe_files
 

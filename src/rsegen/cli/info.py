@@ -116,7 +116,7 @@ def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
     for level, count in content["level_counts"].items():
         high = written.level(level, recipe.unit_cm)
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
-    cost = ", ".join(counted(content[f"{what}s"], what) for what in ("model", "collision", "face"))
+    cost = ", ".join(counted(content[f"{thing}s"], thing) for thing in ("model", "collision", "face"))
     yield f"costs    mesh type {recipe.mesh_type}: {cost}, {content['bytes']:,} bytes"
     for (_, obstacle), place in zip(recipe.enabled_obstacles[:SHOWN], content["placed"], strict=False):
         text = row_text(obstacle)

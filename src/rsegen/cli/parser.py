@@ -85,30 +85,31 @@ VARIABLE = "RSEGEN_PLUGINS"
 
 def load_plugins(arguments: Sequence[str]) -> list[str]:
     """Load the plug-ins that the environment and the arguments name; gives the arguments without them."""
-    rest, named = _parted(arguments)
+    others, named = _parted(arguments)
     for name in (*filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)), *named):
         from rsegen.params.plugins import load_plugin
 
         load_plugin(name)
-    return rest
+    return others
 
 
 def _parted(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the arguments without `--plugin MODULE`, and the modules; what follows `--` is left alone."""
-    rest: list[str] = []
+    # By hand, as the parser of the command, which plug-ins add to, is made only after they are loaded.
+    others: list[str] = []
     named: list[str] = []
     waiting = list(arguments)
     while waiting:
         part = waiting.pop(0)
         if part == "--":
-            return [*rest, part, *waiting], named
+            return [*others, part, *waiting], named
         if part == FLAG and waiting:
             named.append(waiting.pop(0))
         elif part.startswith(f"{FLAG}="):
             named.append(part.partition("=")[2])
         else:
-            rest.append(part)
-    return rest, named
+            others.append(part)
+    return others, named
 
 
 _HELP = partial(argparse.HelpFormatter, max_help_position=26)
@@ -204,7 +205,7 @@ class Parser(argparse.ArgumentParser):
         arguments = [action for action in self._own if not action.option_strings]
         options = [action for action in self._own if action.option_strings]
         groups = [(group.title, group.text, group.actions) for group in self.groups]
-        # Rows are laid out as arguments are.
+        # The order that argparse has not: positional arguments, groups, rows laid out as arguments are, then options.
         names = [(title, None, [_row(*row) for row in rows()]) for title, rows in self._rows]
         for title, text, actions in [
             ("positional arguments", None, arguments),

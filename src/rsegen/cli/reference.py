@@ -80,7 +80,7 @@ def run_obstacles(arguments: argparse.Namespace) -> Report:
 
     def schemas() -> list[object]:
         known = schema()["properties"]["obstacles"]["items"]["oneOf"]
-        return [each for each in known if each["properties"]["kind"]["const"] in kinds]
+        return [row for row in known if row["properties"]["kind"]["const"] in kinds]
 
     return Report(lines=_described(kinds), content=schemas)
 
@@ -94,6 +94,7 @@ def _described(kinds: Sequence[str]) -> Iterator[str]:
     def rows(known: Mapping[str, Parameter]) -> Iterator[str]:
         return (f"    {name:<14} {parameter.help}: {parameter.describe()}" for name, parameter in known.items())
 
+    # What all kinds have is listed once, at the end; a kind that declares such a parameter anew lists its own.
     shared = parameters(Obstacle)
 
     yield "An obstacle is its kind, the parameters of that kind, and a place: 'peak levels=5 first=2,2 last=7,7'."

@@ -62,7 +62,7 @@ def _print(line: str, arguments: argparse.Namespace, file: Any = None) -> None:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Shared:
-    """The option of all commands that says what they show while they work, and that of those that write files."""
+    """Options that commands share: all have `progress`, and commands that write files `dry_run`."""
 
     progress: Annotated[
         str, Choice(("bar", "json", "none"), help="show progress as a bar on a terminal, or as lines of JSON on stderr")
@@ -82,7 +82,7 @@ def planned(arguments: argparse.Namespace) -> Report | None:
 
 
 def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
-    """Add the flags that all commands have, and by `add` those of this one."""
+    """Add the flags that all commands have, and by `add` the flags of this one."""
     command.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
     command.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
     add_flags(command, _Shared, only=["progress"])
@@ -211,6 +211,7 @@ def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None]]:
     with progress_shown(recipe.maps, "map", miniters=1, disable=recipe.maps == 1) as bar:
 
         def done(generated: GeneratedMap) -> None:
+            # Maps come in the order of their indices, so all before this one are done, or existed already.
             place = generated.index - recipe.first_map + 1
             if not bar.n:
                 bar.initial = bar.n = place - 1  # of no weight in the time that is left

@@ -144,7 +144,7 @@ class StepLimits(CrossingModel):
 
 
 def robot_that_crosses(what: object, where: str, *, kind_only: bool = False, room: float = 1.0) -> CrossingModel:
-    """Return the robot of a kind or, unless `kind_only`, of a file; UnknownName or FileError if there is none.
+    """Return the robot of a kind or, unless `kind_only`, of a file; UnknownName or FileError if it does not exist.
 
     room: how much room to spare lanes for it have, as a share of what is usual
     """
@@ -161,8 +161,8 @@ def predictions(robot: CrossingModel, scene: Any) -> Mapping[str, Any]:
     Each has a `probability`, a text, and `as_json`; empty for limits of steps, and where nothing can drive.
     """
     for predict in hooks("predictor"):
-        found: Mapping[str, Any] = predict(robot, scene)
-        return found
+        by_side: Mapping[str, Any] = predict(robot, scene)
+        return by_side
     return {}
 
 

@@ -45,10 +45,9 @@ def make_read_only(*arrays: NDArray[Any]) -> None:
 
 
 def read_only_copies(kind: type[_Kind]) -> type[_Kind]:
-    """Have the arrays of a frozen dataclass be read-only in its pickles and deep copies too.
+    """Keep the arrays of a frozen dataclass read-only in its pickles and deep copies, which numpy does not.
 
-    numpy keeps in neither that an array is read-only. A decorator above that of the dataclass, which in Python 3.11.2
-    puts its own `__setstate__` in the place of any other.
+    A decorator above `@dataclass`, which in Python 3.11.2 puts its own `__setstate__` in the place of any other.
     """
     kind.__setstate__ = _restore  # type: ignore[attr-defined]  # of pickle, by name
     return kind
@@ -144,9 +143,9 @@ class StepField:
 
     def only(self, materials: Sequence[int]) -> StepField:
         """Return the field with only these materials; the cells of all others become level ground."""
-        kept = np.isin(self.levels, materials)
+        is_wanted = np.isin(self.levels, materials)
         frame = self.frame if 0 in materials else np.zeros_like(self.frame)
-        return replace(self, levels=np.where(kept, self.levels, np.int16(0)), frame=frame)
+        return replace(self, levels=np.where(is_wanted, self.levels, np.int16(0)), frame=frame)
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -237,6 +236,7 @@ def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
     """Return the indices that split an axis into chunks: after every `chunk_size` blocks and any frame cell of them."""
     ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
     last = len(inside)
+    # Divided chunks have two frame cells between them, one of each; an outer frame goes to the first and last chunk.
     framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]
     cuts = ends + 1 if framed_between else ends.copy()
     cuts[-1] = last

@@ -5,7 +5,7 @@ over from the row before, up and down both axes, until no value changes (fast sw
 row does it for all maps, which are the last axis of every array, in consecutive memory. The rounds are as many as the
 most winding path has bends, so fields of many cells are faster one by one (traversability.py).
 
-A map may have several cheapest paths. The one that is taken is that of `traversability.cheapest_paths`: its front
+A map may have several cheapest paths. The one that is taken is the path of `traversability.cheapest_paths`: its front
 settles all cells within a tread of the cheapest one together, and the neighbour that is settled first, or in the same
 pass comes first of its four sides, is the one before a cell. Passes follow from the costs alone, so no front is needed.
 Heights are multiples of their greatest common divisor, in as few bits as hold them.
@@ -88,6 +88,8 @@ def percolation_steps(lanes: Lanes) -> Ints:
 
 def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: int) -> tuple[Ints, Mask]:
     """Return fields (n_x, n_y, maps) lowered along a path by which they are crossed, and which of them had to be."""
+    # Three cases by the percolation step: below both limits a map is crossed, above both it is not, and between them,
+    # where climb and drop differ, a path decides.
     ground, (least, most) = lanes(levels, like, limits.width, axis), sorted(limits.limits)
     needed = percolation_steps(ground)
     blocked = needed > least // ground.unit
@@ -99,6 +101,7 @@ def lowered_to_cross(levels: Ints, like: StepField, limits: StepLimits, axis: in
         return levels, blocked
     ground = ground._replace(heights=ground.heights[:, :, blocked])
     type(limits).of(int(needed.max()) * ground.unit / NANOMETRES, limits.width)  # that steps are within bounds
+    # The cells of the blocked maps' paths get caps, which hold for all cells under the robot.
     path = _cheapest_path(ground, needed[blocked], round(like.block_width * NANOMETRES))
     caps: Any = np.full(ground.heights.shape, NO_CAP, dtype=np.int32)
     along = ground.heights.ravel().take(path) * np.int64(ground.unit)  # from the end, and levels from the start
@@ -153,6 +156,7 @@ def _before(costs: Any, ahead: Any, aside: Any, tread: int) -> Any:
     """Return the side of each cell on which the cell before it lies, of those across: 0 next along the first axis,
     1 next along the second, 2 and 3 the ones before along the second and the first; the first one that is settled.
     """
+    # In which pass of the front each cell would be settled, up to the pass that reaches the end.
     passes, begin, last, far = np.zeros_like(costs), costs[0, 0] * 0, costs[-1].min(axis=0), np.iinfo(costs.dtype).max
     while (begin <= last).any():
         later = costs >= begin + costs.dtype.type(tread)
@@ -166,6 +170,7 @@ def _before(costs: Any, ahead: Any, aside: Any, tread: int) -> Any:
         (np.s_[:, 1:], np.s_[:, :-1], aside),
         (up, down, ahead),
     )
+    # Of the neighbours that lead to a cell at its cost, the earliest pass, and in it the first side: one number each.
     for side, (at, of, move) in enumerate(moves):
         leads = costs[of] + move == costs[at]
         np.minimum(first[at], np.where(leads, passes[of] * 4 + side, far), out=first[at])
@@ -190,8 +195,8 @@ def _from_first_row(shape: tuple[int, ...], far: Any) -> Ints:
 def _least(join: np.ufunc, values: Any, ahead: tuple[Any, Any], aside: tuple[Any, Any]) -> Any:
     """Lower the value of each cell (n_x, n_y, maps) to the least of any path that leads to it, by sweeps, in place.
 
-    join: of the value of a path and that of its next move: np.add or np.maximum
-    ahead, aside: values of the moves to the next cell along either axis, and of those back from it
+    join: the value of a path with its next move: np.add for costs, np.maximum for highest steps
+    ahead, aside: values of the moves to the next cell along either axis, and of the moves back
     """
     across = values.swapaxes(0, 1), *(moves.swapaxes(0, 1) for moves in aside)
     while True:

@@ -6,8 +6,8 @@
    cells, and none along y in such a column.
 2. Coverage: moves within climb and drop are a directed graph; the largest strongly connected component (graphs.py) is
    the area in which the robot can drive from every block to every other.
-3. Crossing: the cheapest path from the level ground on one side to that on the other, where a move costs its length
-   plus its rise or drop. It is Dijkstra's algorithm (1959), by fronts: no move costs less than a tread (a block width),
+3. Crossing: the cheapest path between the level ground on two opposite sides, where a move costs its length plus its
+   rise or drop. It is Dijkstra's algorithm (1959), by fronts: no move costs less than a tread (a block width),
    so all cells of the front that cost less than the cheapest one plus a tread are settled, and expanded together. The
    loop is as long as the most expensive path has treads, each pass one numpy operation per direction.
 4. Percolation step: the smallest step at which a path from side to side exists, by bisection over the steps of the
@@ -38,7 +38,7 @@ Heights = NDArray[np.int64]
 
 
 class PathGround(NamedTuple):
-    """Heights (n_x, n_y) in nanometres; in which rows j moves along x are allowed, in which columns i those along y."""
+    """Heights (n_x, n_y) in nanometres; rows j in which moves along x are allowed, columns i for moves along y."""
 
     heights: Heights
     rows: Mask
@@ -148,9 +148,9 @@ def cheapest_paths(ground: PathGround, tread: int, limits: tuple[int, int], *, s
 @read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Crossing:
-    """The cheapest path from the level ground on one side to that on the other, of equally cheap ones the shortest.
+    """The cheapest path between the level ground on two opposite sides, of equally cheap ones the shortest.
 
-    Lengths are None if there is none.
+    Lengths are None if no path leads across.
 
     length: in the plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level path
     path: (n, 2), its cells i, j; those on the ground are outside the field   costs: (n_x, n_y), inf if unreachable
@@ -173,7 +173,7 @@ class Crossing:
 class Traversability:
     """The traversability of a field within limits of steps: passable steps, coverage and crossings.
 
-    climbable, droppable: share of the steps between blocks within the limit up, or down; None if there are none
+    climbable, droppable: share of the steps between blocks within the limit up, or down; None without a step
     coverage: the share of the blocks in the largest traversable area, in which paths lead from every block to
     every other, measured by the blocks that carry it; region: (n_x, n_y), the mask of that area
     """

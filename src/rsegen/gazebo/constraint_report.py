@@ -1,7 +1,7 @@
 """The constraint report: what a recipe demands and what its map has, measured on the field itself.
 
-A map is compared with two others, each by its name: the map that the obstacles ask for, and, if blocks are taken from
-an inventory, the map that max_step and crossable_by make of it, for which these blocks are then chosen.
+A map is compared with two others, each by its name: the map that the obstacles ask for; and with an inventory the map
+that max_step and crossable_by make of it, in whose place the blocks in stock are put.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def _blocks_by_level(field: StepField) -> dict[int, int]:
 
 def _missing(owned: Sequence[int], field: StepField) -> dict[int, int]:
     """Return how many blocks of each level a map needs beyond those that are owned."""
-    there = dict(enumerate(owned, 1))
+    stock = dict(enumerate(owned, 1))
     counts = _blocks_by_level(field)
-    return {level: n - there.get(level, 0) for level, n in counts.items() if n > there.get(level, 0)}
+    return {level: n - stock.get(level, 0) for level, n in counts.items() if n > stock.get(level, 0)}
 
 
 def _crossings(scene: Scene, crosser: CrossingModel) -> dict[str, Any]:
@@ -161,21 +161,21 @@ def describe_constraints(scene: Scene, report: dict[str, Any]) -> Iterator[str]:
 
 
 def _describe_crossings(scene: Scene, crossable: dict[str, Any]) -> Iterator[str]:
-    """Yield who or what gets across, from which sides, which blocks are lower for it, and how rough its ways are."""
+    """Yield lines on the crossing: by which robot or path, from which sides, the lowered blocks, the roughness."""
     asked = _crossing_parameters(scene.recipe)
     paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
     # What a report of a map says is proven by poses or by a path, and not driven.
-    what, lacks = (f"by its poses, the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
+    crosses, lacks = (f"by its poses, the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
     if "robot" not in asked:
         written = lengths_in(scene.units)
         climb, drop, width = (written.with_unit(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
         steps = f"path of steps of {climb} up and {drop} down, {width} wide, leads"
-        what, lacks = f"a {steps}", f"no {steps}"
+        crosses, lacks = f"a {steps}", f"no {steps}"
     is_to_drive = "robot" in asked and paths and "predict" in commands()
     drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
     share = scene.recipe.crossable_room if "robot" in asked else 1
     room = "" if share == 1 else f", with {share:.0%} of the usual room to spare" if share < 1 else ", on level lanes"
-    yield f"{what} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
+    yield f"{crosses} across from {' and from '.join(paths)}{room}{drive}" if paths else f"{lacks} across"
     if "lowered" in crossable:
         blocks, at_0 = crossable["lowered"].values()
         of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
@@ -214,7 +214,7 @@ def _distances(scene: Scene, report: dict[str, Any]) -> str:
 def _most_and_least(scene: Scene, inventory: Sequence[int]) -> tuple[int, int]:
     """Return how many blocks of an inventory a map can use, and the least distance in units from what they replace.
 
-    The bounds are those of the blocks in the order of their levels, without any other constraint; exact then.
+    The bounds are exact for blocks in the order of their levels, without any other constraint.
     """
     from rsegen.recipe.constraints.inventory import nearest_counts
 
@@ -227,6 +227,7 @@ def block_warnings(scene: Scene) -> Iterator[str]:
     """Yield warnings about blocks: replaced by others, left in the box although the map has fewer than designed, or
     other blocks than an obstacle counts, as the largest step does not allow these.
     """
+    # Without an inventory only blocks that an obstacle counts can be others than asked for.
     recipe = scene.recipe
     if recipe.inventory is None:
         if recipe.max_step is not None and not _counts_are_kept(scene):

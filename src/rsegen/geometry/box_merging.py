@@ -1,4 +1,4 @@
-"""A step field as few boxes, which fill it exactly and do not overlap.
+"""Few boxes that fill a step field exactly and do not overlap.
 
 Two partitions, of which the smaller one counts; both cut rectangles of one height (rectangles.py):
 
@@ -8,9 +8,9 @@ Two partitions, of which the smaller one counts; both cut rectangles of one heig
        _| |_      3 boxes                                 _|_|_     2 boxes
       | | | |                                            |_____|
 
-Which one is smaller depends on the map; on random maps they differ by some per cent.
-Neither is the least possible number, which is hard
-to find in three dimensions (NP-complete: Dielissen and Kaldewaij 1991). Cost: that of rectangles.py, once per height.
+Which one is smaller depends on the map; on random maps they differ by some per cent. Neither is the least possible
+number, which is hard to find in three dimensions (NP-complete: Dielissen and Kaldewaij 1991). Cost: one partition into
+rectangles (rectangles.py) per height.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Meshes in files that may come from anybody, as Gazebo reads them, where trimesh does not.
+"""Readers of mesh files from anywhere, as Gazebo reads them, for what trimesh reads otherwise.
 
     scene.dae --read_collada--> Triangles, in metres          mesh.obj, others --loaded_by_trimesh--> what trimesh has
 
@@ -112,11 +112,12 @@ class _Scene:
             yield Triangles(points @ place[:3, :3].T + place[:3, 3], corners)
 
     def _of_geometry(self, geometry: Element) -> Iterator[Triangles]:
-        """Yield the triangles of a geometry, those of each list of faces on their own."""
+        """Yield the triangles of a geometry, each list of faces on its own."""
         known = ChainMap(_by_id(geometry), self._known)  # some programs give each geometry's points one id
         for faces in geometry.iterfind("mesh/*"):
             if faces.tag not in ("triangles", "polylist", "polygons"):
                 continue
+            # Each corner is a row of indices, one for each input; only the column of the points counts here.
             inputs = {source.get("semantic"): source for source in faces.findall("input")}
             columns = 1 + max(int(source.get("offset", "0")) for source in faces.findall("input"))
             column = int(inputs["VERTEX"].get("offset", "0"))
@@ -138,7 +139,7 @@ _ById = MutableMapping[tuple[str, str], Element]
 
 
 def _by_id(root: Element) -> _ById:
-    """Return the elements in another one that have an id; the first of those of one tag and id, as in Gazebo."""
+    """Return the elements below one that have an id; of several with one tag and id the first, as in Gazebo."""
     known: _ById = {}
     for element in root.iter():
         if name := element.get("id"):
@@ -212,9 +213,9 @@ def _counted_forwards(content: bytes) -> bytes:
 
 def _forwards(corner: bytes, counts: list[int]) -> bytes:
     """Return a corner such as -1//-1 counted forwards, given the counts of points, texture coordinates and normals."""
-    numbers = corner.split(b"/")
-    pairs = zip(numbers, counts, strict=False)
-    return b"/".join(b"%d" % (count + 1 + int(number)) if number[:1] == b"-" else number for number, count in pairs)
+    indices = corner.split(b"/")
+    pairs = zip(indices, counts, strict=False)
+    return b"/".join(b"%d" % (count + 1 + int(index)) if index[:1] == b"-" else index for index, count in pairs)
 
 
 # What trimesh reads.

@@ -82,9 +82,9 @@ def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
     """
     around = np.zeros([cells + 2 for cells in labels.shape], dtype=labels.dtype)
     around[1:-1, 1:-1] = labels
-    there = around != 0
-    inside_u = (around[:, 1:] == around[:, :-1]) & there[:, 1:]
-    inside_v = (around[1:] == around[:-1]) & there[1:]
+    filled = around != 0
+    inside_u = (around[:, 1:] == around[:, :-1]) & filled[:, 1:]
+    inside_v = (around[1:] == around[:-1]) & filled[1:]
     down, up, left, right = inside_u[:-1], inside_u[1:], inside_v[:, :-1], inside_v[:, 1:]
     ending = ~(down & up & left & right)
     columns = around.shape[1] - 1
@@ -102,6 +102,7 @@ def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_
     """Return a large set of chords of which no two intersect, found greedily."""
     if not (len(along_u.start) and len(along_v.start)):
         return along_u, along_v
+    # Chords of one direction never meet each other, so the chord along v at each corner of one along u is enough.
     on = np.full(corners, -1, dtype=np.int32)
     at, chord = along_v.corners(last=True)
     on[at] = chord
@@ -113,10 +114,10 @@ def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_
 
 
 def independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
-    """Return a large independent set of chords, of which a[k] and b[k] intersect; a is in order, and all below b.
+    """Return the mask of a large independent set of chords; chords a[k] and b[k] intersect.
 
-    Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
-    fewer others than its neighbours do, or as many and is shorter.
+    a is in order, and all its numbers are below b's. Keeping a chord that intersects only one other is always optimal;
+    without such a chord, one is kept that intersects fewer others than its neighbours do, or as many and is shorter.
     """
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
@@ -142,7 +143,7 @@ def _of_kept(a: Ints, b: Ints, kept: Mask) -> tuple[Ints, Ints]:
 
 
 def _drop_neighbours(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
-    """Drop the only neighbour of every chord that intersects no other, from `kept`, until there is no such chord.
+    """Drop from `kept` the only neighbour of every chord that intersects just one other, until no such chord is left.
 
     a: in order, and all below b, so that `neighbours` is sorted by chord. Most rounds drop few chords of many, so a
     round looks only at the neighbours of those that the last one dropped.
@@ -173,6 +174,7 @@ def _drop_neighbours(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
 
 def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
     """Return the cuts along u of corners whose cut along u is shorter than along v; they end at a kept chord."""
+    # Each concave corner is an end of one run along u and of one along v: its two possible cuts.
     length_along_v = np.zeros(len(concave), dtype=np.int32)
     length_along_v[along_v.start] = length_along_v[along_v.end] = along_v.length
     stop = np.zeros(len(concave), dtype=bool)
@@ -210,8 +212,8 @@ class Rectangles(NamedTuple):
 def merge(labels: Ints) -> Rectangles:
     """Return rectangles that cover every labelled square once; the minimum number or nearly so."""
     wall = cuts_along_u(labels)
-    there, apart = labels != 0, labels[:, 1:] != labels[:, :-1]
-    begins, ends = there.copy(), there.copy()
+    filled, apart = labels != 0, labels[:, 1:] != labels[:, :-1]
+    begins, ends = filled.copy(), filled.copy()
     begins[:, 1:] &= apart | wall
     ends[:, :-1] &= apart | wall
     # Strips along v have a first and a last square; equal ones in successive rows are one rectangle.

@@ -101,6 +101,7 @@ def _by_material(pieces: Iterable[Faces], number: Ints) -> Faces:
 
     number: (v,), the new number of each vertex.
     """
+    # Runs of one material are sorted, not faces: a stable sort of a few runs in place of millions of rows.
     runs: list[Faces] = []
     for piece in pieces:
         cuts = np.flatnonzero(np.diff(piece.materials)) + 1
@@ -190,7 +191,7 @@ def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
 
 
 def _possible_collapses(fan: _Fan, vertices: Array, ways: Ints, least: float) -> tuple[Ints, Ints]:
-    """Return the vertices that have an edge collapse which flips no triangle, and the vertex onto which each moves."""
+    """Return the vertices with an edge collapse that flips no triangle, and the vertex onto which each moves."""
     # A triangle has one axis as its normal and may have the way as one side; the other axis then has to agree.
     way = ways.take(fan.vertex)
     other = (3 - way - fan.normal // 2) % 3
@@ -338,8 +339,7 @@ def _ways(points: _Points) -> Ints:
     """Return where each vertex may move, (v,).
 
     The labels around a point say so. A crease is a piece of the lattice's lines at which the surface turns or changes
-    its material. A vertex at which none ends may move in its plane, and one at which just two end, both on one line,
-    along that line.
+    its material. A vertex without a crease may move in its plane; one at which two creases of one line end, along it.
     """
     labels, ranks, z = points.labels, points.ranks, points.z
     # Level creases are between two cells that differ, one of which has its top (at 0: its bottom, or ground) here.

@@ -62,8 +62,8 @@ class HorizontalBarrier(Barrier):
 
 def _ends_along(grid: Grid, first: Place, last: Place, shared: int, rng: np.random.Generator) -> tuple[Cell, Cell]:
     """Return ends of one coordinate on the axis `shared`."""
-    given = [at for at in (first[shared], last[shared]) if isinstance(at, int)]  # equal if both are
-    line = given[0] if given else randint(rng, 0, grid.shape[shared] - 1)
+    fixed = [at for at in (first[shared], last[shared]) if isinstance(at, int)]  # equal if both are
+    line = fixed[0] if fixed else randint(rng, 0, grid.shape[shared] - 1)
     cells = grid.shape[1 - shared]
     start, stop = first[1 - shared], last[1 - shared]
     if start == stop == "random":
@@ -73,9 +73,9 @@ def _ends_along(grid: Grid, first: Place, last: Place, shared: int, rng: np.rand
 
 
 def _shareable(first: Place, last: Place) -> list[int]:
-    """Return the axes (0: x, 1: y) on which both ends can have one coordinate; only those of given ones, if any."""
-    given = [axis for axis in (0, 1) if first[axis] == last[axis] != "random"]
-    return given or [axis for axis in (0, 1) if "random" in (first[axis], last[axis])]
+    """Return the axes (0: x, 1: y) on which both ends can have one coordinate; only axes where both give it, if any."""
+    fixed = [axis for axis in (0, 1) if first[axis] == last[axis] != "random"]
+    return fixed or [axis for axis in (0, 1) if "random" in (first[axis], last[axis])]
 
 
 @register

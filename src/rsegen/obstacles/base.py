@@ -197,9 +197,9 @@ class Obstacle(ABC):
         """Return the levels between many pairs of ends (pairs, 2, 2), on the whole map, if they draw nothing."""
         levels = np.zeros((len(ends), *grid.shape), dtype=np.int16)
         footprint = np.zeros(levels.shape, dtype=bool)
-        for number, (first, last) in enumerate(ends.tolist()):
+        for pair, (first, last) in enumerate(ends.tolist()):
             patch = self.patch(grid, tuple(first), tuple(last), _NO_DRAW)
-            levels[(number, *patch.window)], footprint[(number, *patch.window)] = patch.levels, patch.footprint
+            levels[(pair, *patch.window)], footprint[(pair, *patch.window)] = patch.levels, patch.footprint
         return Patch(EVERYWHERE, levels, footprint)
 
 
@@ -221,7 +221,7 @@ def own_parameters(cls: type[Obstacle]) -> Mapping[str, Parameter]:
 
 @cache
 def row_parameters(cls: type[Obstacle]) -> Mapping[str, Parameter]:
-    """Return all parameters of a kind in the order of files, lists and the manual: its own, then those of its place."""
+    """Return all parameters of a kind in the order of files, lists and the manual: its own, then the placing ones."""
     return MappingProxyType({**own_parameters(cls), **PLACING})
 
 
@@ -264,7 +264,7 @@ class Shaped(Obstacle):
 
     @elementwise
     def covers(self, levels: Levels, x: Ints, y: Ints, first: Cell, last: Cell) -> Mask:
-        """Return the mask of the cells that the obstacle covers: those of level 1 or more."""
+        """Return the mask of the cells that the obstacle covers: cells of level 1 or more."""
         return levels >= 1
 
     def patches(self, grid: Grid, ends: Ints) -> Patch:
@@ -400,7 +400,7 @@ class Layout(Filling):
         return type(self).patch is Layout.patch
 
     def draws(self, shape: Cell) -> Cell:
-        """Return the shape of the random numbers for a rectangle of this shape, which follow those of the ends."""
+        """Return the shape of the random numbers for a rectangle of this shape; they follow the numbers of the ends."""
         return 0, 0
 
     @abstractmethod

@@ -42,8 +42,8 @@ def square_ends(
 
     map_size: cells along x and y; chunk_size: L
     """
-    given = [abs(a - b) + 1 for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-    side = given[0] if given else randint(rng, (chunk_size + 1) // 2, chunk_size)
+    fixed = [abs(a - b) + 1 for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
+    side = fixed[0] if fixed else randint(rng, (chunk_size + 1) // 2, chunk_size)
     n_x, n_y = map_size
     return ends_of_size(map_size, first, last, (least(side, n_x), least(side, n_y)), rng)
 
@@ -62,6 +62,7 @@ def ends_of_one(
         return options[0](rng)
     if not isinstance(rng, Streams):
         return options[drawn](rng)
+    # Of many maps, all options are drawn from the same place, and each map takes the one that its number chose.
     ends = [option(rng.copy()) for option in options]  # type: ignore[arg-type]  # streams in place of a generator
     return tuple(
         tuple(np.select([drawn == option for option in range(len(ends))], at) for at in zip(*end, strict=True))

@@ -43,7 +43,7 @@ class Noise(Layout):
         return np.floor(self.levels * heights).astype(np.int16), np.ones(shape, dtype=bool)
 
     def _between(self, points: Array, cells: int) -> Array:
-        """Return the heights of cells from those of points along the last axis."""
+        """Return the heights of cells along the last axis, interpolated between points."""
         point, within = np.divmod(np.arange(cells), self.spacing)
         further = np.minimum(point + 1, points.shape[-1] - 1)
         lower = points[..., point]

@@ -143,14 +143,15 @@ def _arranged(levels: Levels, zones: Ints, limits: Sequence[Iterator[int]], stre
     """Return the levels of many maps (maps, n_x, n_y), each rearranged under the first of its limits with an order."""
     arranged, left = levels.copy(), np.arange(len(levels))
     while len(left):
-        limit_of, found = np.array([next(limits[index]) for index in left.tolist()]), np.zeros(len(left), dtype=bool)
+        # Maps with the same limit are rearranged together; those without an order ask for their next limit.
+        limit_of, is_done = np.array([next(limits[index]) for index in left.tolist()]), np.zeros(len(left), dtype=bool)
         for limit in np.unique(limit_of).tolist():
             places = np.flatnonzero(limit_of == limit)
             maps = left[places]
             own = streams.part(maps)
-            arranged[maps], found[places] = rearranged(levels[maps], limit, own, zones)
+            arranged[maps], is_done[places] = rearranged(levels[maps], limit, own, zones)
             streams.put(maps, own)
-        left = left[~found]
+        left = left[~is_done]
     return arranged
 
 

@@ -92,9 +92,10 @@ class Random(Region):
     def __post_init__(self) -> None:
         Obstacle.__post_init__(self)
         for name in ("weights", "counts"):
-            given = getattr(self, name)
-            if given is not None and len(given) != self.levels:
-                raise ParameterError(name, f"{len(given)} {name} for {self.levels} levels; expected one for each level")
+            per_level = getattr(self, name)
+            if per_level is not None and len(per_level) != self.levels:
+                problem = f"{len(per_level)} {name} for {self.levels} levels; expected one for each level"
+                raise ParameterError(name, problem)
         if self.counts is not None and (self.weights is not None or self.softness):
             raise ParameterError(
                 "counts", "excludes weights and softness, as it sets the number of blocks of each level; leave them out"
@@ -125,7 +126,7 @@ class Random(Region):
 
     @property
     def draws_alike(self) -> bool:
-        """Return whether blocks are reordered, by the `patch` of this class: those of many maps together."""
+        """Return whether blocks are reordered, by the `patch` of this class, so that many maps are made together."""
         return type(self).patch is Random.patch and self.max_step is not None
 
     def levels_in_maps(self, uniform: Array) -> Levels:

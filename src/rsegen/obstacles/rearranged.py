@@ -106,13 +106,13 @@ _NO_STEP = 32767
 
 
 def rearranged(levels: Levels, limit: int, streams: Streams, zones: Ints | None = None) -> tuple[Levels, Mask]:
-    """Return levels reordered so that no block differs by more than `limit` from its four neighbours, of many maps.
+    """Return the levels of many maps, reordered so that no block differs by more than `limit` from its neighbours.
 
     levels: (maps, n_x, n_y), negative ones are no blocks, in all maps at the same cells. zones: (n_x, n_y), blocks stay
-    within their zone, those with a negative zone do not move. The second is the mask of the maps for which an order
-    is found; without zones, it is false only if there is none.
+    within their zone, blocks with a negative zone do not move. The second is the mask of the maps for which an order
+    is found; without zones, it is false only if no order exists.
     """
-    result, found = levels.astype(np.int16), np.zeros(len(levels), dtype=bool)
+    result, is_done = levels.astype(np.int16), np.zeros(len(levels), dtype=bool)
     everywhere, zones = zones is None, np.zeros(levels.shape[1:], dtype=np.int64) if zones is None else zones
     left = np.arange(len(levels))
     if everywhere:  # if the ascending order is not right, none is
@@ -120,34 +120,35 @@ def rearranged(levels: Levels, limit: int, streams: Streams, zones: Ints | None 
         left = np.flatnonzero(_Arrangements(ascending, zones, limit).are_right())
     for times in (0, *_SMOOTHED, None):  # as drawn, ever smoother, sorted along x
         if not len(left):
-            return result, found
+            return result, is_done
         part, own = levels[left], streams.part(left)
         start = part if times == 0 else _sorted_by(_order(part.shape, times, own), part, zones)
         result[left], repaired = _repaired(_Arrangements(start, zones, limit), own, warm=times == 0)
         streams.put(left, own)
-        found[left] = repaired
+        is_done[left] = repaired
         left = left[~repaired]
     if everywhere and len(left):  # from a corner: as random as the limit allows
         part, own = levels[left], streams.part(left)
-        starts = [_filled(one[None], like)[0] for one, like in zip(part, own.drawn(part.shape[1:]), strict=True)]
+        pairs = zip(part, own.drawn(part.shape[1:]), strict=True)
+        starts = [_filled(levels_of_map[None], like)[0] for levels_of_map, like in pairs]
         arrangements = _Arrangements(np.array(starts), zones, limit)
         arrangements.sweep(own, _SWEEPS)
         streams.put(left, own)
-        result[left], found[left] = arrangements.levels(), True
-    return result, found
+        result[left], is_done[left] = arrangements.levels(), True
+    return result, is_done
 
 
 def rearranged_like(levels: Ints, limit: int, stream: Streams, like: Array, caps: Ints | None = None) -> Levels | None:
     """Return levels (n_x, n_y) reordered as by `rearranged`, near the values of `like` and not above `caps`.
 
     like, caps: (n_x, n_y). Negative levels stay where they are, and are no blocks. None if no such order is found;
-    without caps, if there is none.
+    without caps, if none exists.
     """
-    one, zones = levels[None], np.where(levels < 0, -1, 0)
+    one_map, zones = levels[None], np.where(levels < 0, -1, 0)
     like = like + (_smooth(like, _SMOOTHED[1]) + stream.drawn(like.shape)[0]) / 100  # ties: next to high cells first
     orders = (_smooth(like, times) for times in (0, *_SMOOTHED))
-    starts = [_sorted_by(order[None], one, zones) for order in orders] if levels.size <= _MOST_REPAIRED else []
-    for start in (*starts, _filled(one, like)):
+    starts = [_sorted_by(order[None], one_map, zones) for order in orders] if levels.size <= _MOST_REPAIRED else []
+    for start in (*starts, _filled(one_map, like)):
         arranged, (is_right,) = _repaired(_Arrangements(start, zones, limit, like, caps), stream, warm=True)
         if is_right:
             arrangements = _Arrangements(arranged, zones, limit, like, caps)
@@ -164,6 +165,8 @@ def _repaired(arrangements: _Arrangements, streams: Streams, *, warm: bool) -> t
     """
     result, repaired = arrangements.levels(), np.zeros(len(streams), dtype=bool)
     left = np.arange(len(streams))
+    # Numbers are drawn for several sweeps; a map that is right before their end uses fewer, and its stream goes on
+    # from there, so that it does not depend on the maps that it is made together with.
     for first in range(0, _SWEEPS, _SWEEPS_AHEAD):
         if not len(left):
             break

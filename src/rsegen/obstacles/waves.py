@@ -1,4 +1,4 @@
-"""Waves: crests and troughs like those of a washboard, across x or y, or across both.
+"""Waves: crests and troughs as on a washboard, across x or y, or across both.
 
     f(i) = (1 - cos(2 pi m (i + 1/2) / n)) / 2      level = (levels - 1) f, to the nearest whole number
 

@@ -76,7 +76,7 @@ def as_numpy(values: Any) -> Any:
 
 
 def overwrite(values: Any, new: Any, mask: Any) -> None:
-    """Put new values in place of those of a mask."""
+    """Put new values in place where a mask is true."""
     xp = namespace(values)
     if xp is np:
         np.copyto(values, new, where=mask)

@@ -119,7 +119,7 @@ class Finding(NamedTuple):
 
 @cache
 def own_capabilities() -> Mapping[str, Capability]:
-    """Return the core's declaration, and those of the folders that are here, by name."""
+    """Return the declarations of the core and of every capability folder that exists, by name."""
     root = Path(__file__).parents[1]
     folders = sorted(path.parent.name for path in root.glob("*/__init__.py"))
     by_name: dict[str, Capability] = {"core": import_module("rsegen.cli").CAPABILITY}
@@ -131,7 +131,7 @@ def own_capabilities() -> Mapping[str, Capability]:
 
 @cache
 def capabilities() -> Mapping[str, Capability]:
-    """Return all capabilities by name, those of other packages too."""
+    """Return all capabilities by name, also of other packages."""
     by_name = dict(own_capabilities())
     for offer in entry_points("rsegen.capabilities"):
         try:
@@ -159,7 +159,7 @@ def _problem(name: str, offered: object, known: Mapping[str, Capability]) -> str
         return f"{offered!r} is not a rsegen.params.capabilities.Capability"
     for field, declared in offered._asdict().items():
         sort, default = _SEVERAL.get(field), Capability._field_defaults.get(field, "")
-        if sort and not (isinstance(declared, tuple) and all(isinstance(each, sort) for each in declared)):
+        if sort and not (isinstance(declared, tuple) and all(isinstance(element, sort) for element in declared)):
             return f"its field {field!r} is not a tuple of {sort.__name__}"
         if not isinstance(declared, Mapping if isinstance(default, Mapping) else type(default)):
             return f"its field {field!r} is a {type(declared).__name__}"
@@ -283,32 +283,32 @@ def hooks(name: str, problem: Callable[[Any], str] = lambda hook: "") -> Iterato
                 yield from _declared(known, place, problem)
 
 
-def _declared(capability: str, place: str, problem: Callable[[Any], str] = lambda found: "") -> Iterator[Any]:
+def _declared(capability: str, place: str, problem: Callable[[Any], str] = lambda hook: "") -> Iterator[Any]:
     """Yield what a capability declares at a place; nothing, with a warning, if it is another package's and fails."""
     try:
-        found = _of_package(capability, partial(_imported, place, problem))
+        hook = _of_package(capability, partial(_imported, place, problem))
     except PluginError as error:
         left_out(str(error))
         return
-    yield found
+    yield hook
 
 
-def _imported(place: str, problem: Callable[[Any], str] = lambda found: "") -> Any:
+def _imported(place: str, problem: Callable[[Any], str] = lambda hook: "") -> Any:
     """Return what stands at a place, as `module` or `module:name`; PluginError if it has a problem."""
     module, _, attribute = place.partition(":")
-    found = getattr(import_module(module), attribute) if attribute else import_module(module)
-    if text := problem(found):
+    hook = getattr(import_module(module), attribute) if attribute else import_module(module)
+    if text := problem(hook):
         raise PluginError(f"{place} {text}")
-    return found
+    return hook
 
 
 def _of_package(capability: str, imported: Callable[[], _Imported]) -> _Imported:
-    """Return what is imported for a capability; PluginError, which names the package, if that of another one fails."""
+    """Return what is imported for a capability; if another package's fails, a PluginError that names the package."""
     try:
         return imported()
     except Exception as error:
-        if capability in own_capabilities():
+        if capability in own_capabilities():  # rsegen's own: a mistake to be seen with its traceback
             raise
         offer = next(offer for offer in entry_points("rsegen.capabilities") if offer.name == capability)
-        what = str(error) if isinstance(error, PluginError) else failure(error)
-        raise PluginError(f"{offer}: {what}") from None
+        problem = str(error) if isinstance(error, PluginError) else failure(error)
+        raise PluginError(f"{offer}: {problem}") from None

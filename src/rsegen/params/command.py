@@ -9,8 +9,8 @@
 
 From there follow the checks of a call in Python (`command`), the flags and what they give (`add_flags`, `given`), the
 JSON Schema of a form (`schema`) and the rows of the manual (`rows`). A parameter without a sort, such as `target` or a
-callback, is the business of whoever calls: it has no flag. Functions that are commands stand in modules that need no
-numpy, and import what does the work in their bodies, so that `rsegen drive -h` prints its help at once.
+callback, is the business of whoever calls: it has no flag. Modules of commands need no numpy: the functions import
+in their bodies what does the work, so `rsegen drive -h` prints its help at once.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def default(owner: Callable[..., Any], name: str) -> Any:
 
 def command(function: Callable[P, R]) -> Callable[P, R]:
     """Check every declared parameter of each call and hand its canonical form on; None stays if it is the default."""
-    shape = signature(function)
+    shape = signature(function)  # once, as it takes longer than most checks
 
     @wraps(function)
     def checked(*args: P.args, **named: P.kwargs) -> R:
@@ -149,6 +149,7 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
             raise TypeError(
                 _unfit(function.__name__, shape, args, named) or f"{function.__name__}(): {error}"
             ) from None
+        # Arguments that were not passed are not in the call: their defaults are not checked, as they may be None.
         for name, value in call.arguments.items():
             parameter = declared(function).get(name)
             if parameter and not (value is None and parameter.default is None):
@@ -240,10 +241,10 @@ def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
     try:
         yield
     except ParameterError as error:
-        name, bracket, rest = error.where.partition("[")
+        name, bracket, index = error.where.partition("[")
         if name not in flags:
             raise
-        raise type(error)(f"{flags[name]}{bracket}{rest}", error.problem) from None
+        raise type(error)(f"{flags[name]}{bracket}{index}", error.problem) from None
 
 
 def command_schema(owner: Callable[..., Any]) -> dict[str, Json]:
@@ -280,7 +281,7 @@ def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
 
 
 def _default_of_row(parameter: Declared) -> str:
-    """Return the default in Python, and that of a shell if it is another one."""
+    """Return the default in Python, and the default of a shell if it differs."""
     in_python, in_shell = _shown_default(parameter.default), parameter.shell.default
     if parameter.default is Argument.empty or (parameter.shell.required and not in_python):
         return "required"
@@ -288,7 +289,7 @@ def _default_of_row(parameter: Declared) -> str:
 
 
 def _shown_default(value: object) -> str:
-    """Return a default as a person gives it; nothing if there is none, or none that says anything."""
+    """Return a default as a person types it; an empty text for an empty or missing default."""
     if value is None or value is Argument.empty or value in ("", ()):
         return ""
     if isinstance(value, bool):

@@ -75,7 +75,7 @@ def _types(owner: Any, *, is_declared: bool) -> dict[str, str]:
     parts = reversed(owner.__mro__) if isinstance(owner, type) else [owner]
     texts = {name: text for part in parts for name, text in getattr(part, "__annotations__", {}).items()}
     known = hints(owner) if is_declared else {}
-    # Those of a named tuple are texts in a box.
+    # The annotations of a named tuple are texts inside of a ForwardRef.
     texts = {name: getattr(text, "__forward_arg__", text) for name, text in texts.items()}
     # Parameters that sidecars add to a command have their annotation as it is, and not as a text.
     is_known = {name: isinstance(text, str) or hasattr(text, "__metadata__") for name, text in texts.items()}
@@ -106,7 +106,7 @@ def without_flags(text: str) -> str:
 
 
 def _entry(parameter: Declared, type_: str, default: object) -> str:
-    """Return what numpydoc has of a parameter: name, type and default, then its meaning with unit and range.
+    """Return the numpydoc entry of a parameter: name, type and default, then its meaning with unit and range.
 
     default: in the signature, where that of a field may be made by a function
     """
@@ -130,6 +130,7 @@ def _entry(parameter: Declared, type_: str, default: object) -> str:
 
 def _with_parameters(text: str, made: Mapping[str, str], names: Mapping[str, object]) -> str:
     """Return a docstring with entries in its section of parameters, which comes before all others."""
+    # What the docstring itself says of a parameter counts more than its declaration.
     summary, *parts = _HEADING.split(text)
     sections = dict(zip(parts[::2], parts[1::2], strict=True))
     entries = {**made, **dict(_entries(sections.pop("Parameters", "")))}

@@ -72,11 +72,11 @@ def pip_install(extras: Iterable[str]) -> str:
     needed = dict(own)
     for package in dict.fromkeys(offer.source.name for offer in entry_points()):
         needed |= {extra: lines for extra, lines in requirements(package).items() if extra not in needed}
-    wanted = [requirement for extra in extras for requirement in needed.get(extra, [])]
-    if not wanted and own:
+    libraries = [requirement for extra in extras for requirement in needed.get(extra, [])]
+    if not libraries and own:
         return "the manual of the plug-in that needs it says how to install it"
-    wanted = wanted or [f"{Path(__file__).parents[3]}[{','.join(extras)}]"]  # not installed: where it runs from
-    return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(wanted))}"
+    libraries = libraries or [f"{Path(__file__).parents[3]}[{','.join(extras)}]"]  # not installed: where it runs from
+    return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(libraries))}"
 
 
 def read_with(extra: Extra, path: Path, read: Callable[[], _Content]) -> _Content:

@@ -26,8 +26,8 @@ def decimal(value: float) -> str:
 
 def whole_degrees(angle: float) -> str:
     """Return an angle in radians as people say it: 1 degree, 2 degrees."""
-    number = f"{degrees(angle):.0f}"
-    return f"{number} degree{'' if number == '1' else 's'}"
+    rounded = f"{degrees(angle):.0f}"
+    return f"{rounded} degree{'' if rounded == '1' else 's'}"
 
 
 DRESSED: Mapping[float, int] = MappingProxyType({0.75: 1, 1.5: 2, 2.5: 3, 3.5: 4, 5.5: 6, 7.25: 8, 9.25: 10, 11.25: 12})
@@ -69,8 +69,8 @@ class Lengths:
         marks = round(length * TAPE_MARKS / self.size)
         if self.unit != "in" or not marks:  # what is thinner than a mark is better a decimal than nothing
             return self.short(length)
-        whole, rest = divmod(marks, TAPE_MARKS)
-        return " ".join(filter(None, (str(whole) * bool(whole), str(Fraction(rest, TAPE_MARKS)) * bool(rest))))
+        whole, part = divmod(marks, TAPE_MARKS)
+        return " ".join(filter(None, (str(whole) * bool(whole), str(Fraction(part, TAPE_MARKS)) * bool(part))))
 
     def level(self, level: int, unit_cm: float) -> str:
         """Return the height of a level in the unit, without its name."""

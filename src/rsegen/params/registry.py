@@ -1,4 +1,4 @@
-"""Registries of obstacles, formats, robots, ... by name: rsegen's own and those of plug-ins, each imported on demand.
+"""Registries of obstacles, formats, robots, ... by name, rsegen's own and of plug-ins, each imported on demand.
 
 A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
 the entry points of installed packages (`entry_points`). Only a list of all of them imports them all.
@@ -48,7 +48,7 @@ class Contract:
         return own and not inspect.isabstract(value)
 
     def problem(self, offered: Any) -> str:
-        """Return the problem of an object that a plug-in offers; an empty text if there is none."""
+        """Return the problem of an object that a plug-in offers; an empty text if it has none."""
         base = f"{self.base.__module__}.{self.base.__qualname__}"
         if not self.is_class:
             return self._unsound(offered) if isinstance(offered, self.base) else f"is not a {base}"
@@ -77,11 +77,11 @@ class Contract:
 def _otherwise_called(cls: type) -> str:
     """Return which method of a class takes other arguments than it is called with; an empty text if none does."""
     for part in cls.__mro__[1:]:
-        for name, wanted in vars(part).items():
+        for name, method in vars(part).items():
             own = inspect.getattr_static(cls, name)
-            if not (getattr(wanted, "__isabstractmethod__", False) and inspect.isfunction(own)):
+            if not (getattr(method, "__isabstractmethod__", False) and inspect.isfunction(own)):
                 continue
-            asked = inspect.signature(wanted)
+            asked = inspect.signature(method)
             try:
                 inspect.signature(own).bind(*asked.parameters)
             except TypeError:
@@ -197,12 +197,13 @@ class Registry(Mapping[str, Thing]):
         return self._sources.get(name)
 
     def own(self) -> tuple[Thing, ...]:
-        """Return rsegen's own things, without those of plug-ins."""
+        """Return rsegen's own things, without things of plug-ins."""
         with self._lock:
             self._import_all_own()
             return tuple(thing for name, thing in self._things.items() if name not in self._sources)
 
     def _find(self, name: str) -> None:
+        # From the cheapest place to the dearest: the one file, all files, the entry point of a package.
         with self._lock:
             if self._modules_seen < len(plugins()):  # one of them may have a name of rsegen's own
                 self._import_all_own()
@@ -239,6 +240,7 @@ class Registry(Mapping[str, Thing]):
 
     def _find_in_modules(self) -> None:
         """Enter what the plug-ins define that were loaded since the last time."""
+        # Objects that are known by their identity are skipped: modules import each other's, and rsegen's own.
         fresh = plugins()[self._modules_seen :]
         self._modules_seen += len(fresh)
         for plugin in fresh:
@@ -275,12 +277,12 @@ class Registry(Mapping[str, Thing]):
             self._sources[name] = source
 
     def _misnamed(self, offered: Any, names: Iterable[str], wanted: str | None) -> str:
-        """Return the problem of the names of a plug-in's object; an empty text if there is none."""
+        """Return the problem of the names of a plug-in's object; an empty text if they have none."""
         if wanted is not None and wanted not in names:
             return f"is named {', '.join(names)}; its entry point must have the same name"
         for name in names:
-            kept = self._things.get(name, offered)
-            if kept is not offered and type(kept) is not offered:
+            known = self._things.get(name, offered)
+            if known is not offered and type(known) is not offered:  # a class may be stored as an object of it
                 return f"the name {name!r} is taken by {self._sources.get(name, 'rsegen')}"
         return ""
 
@@ -291,9 +293,9 @@ def is_own(plugin: object) -> bool:
 
 
 def offered_names(package: str, group: str) -> list[str]:
-    """Return the names of all that a registry has: rsegen's own, those of other capabilities, and of plug-ins.
+    """Return the names of all that a registry has, without an import: helps are printed at once.
 
-    None is imported. For helps, which are to come at once; a file is called like what it registers.
+    A file of rsegen is called like what it registers, as is the entry point of a plug-in.
     """
     offered = (offer.name for offer in entry_points() if offer.group == group)
     return sorted({*_registering_files(package), *offered_modules(group), *offered})

@@ -69,7 +69,7 @@ class Float(Parameter):
     usual: tuple[float, float] | None = None
 
     def check(self, where: str, value: object) -> float:
-        try:  # a text has no __float__; that of a whole number of hundreds of digits, or of an array, fails
+        try:  # a text has no __float__; an integer of hundreds of digits, and an array, have one that fails
             number = float(value) if hasattr(value, "__float__") and not isinstance(value, bool) else None
         except (OverflowError, TypeError, ValueError):
             number = None
@@ -179,8 +179,8 @@ class Text(Parameter):
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and re.fullmatch(self.pattern, value) and not re.search("[\ud800-\udfff]", value):
             return value
-        given = "an empty value" if value is None else f"invalid value {shown(value)}"
-        raise ParameterError(where, f"{given}: expected {self.meaning}")
+        amiss = "an empty value" if value is None else f"invalid value {shown(value)}"
+        raise ParameterError(where, f"{amiss}: expected {self.meaning}")
 
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "pattern": f"^{self.pattern}$"}
@@ -259,8 +259,8 @@ class FilePath(Reference):
 
     def check(self, where: str, value: object) -> Path:
         if not isinstance(value, str | os.PathLike) or not str(value):
-            given = "no value" if value is None or isinstance(value, str) else f"{shown(value)} is not a path"
-            raise ParameterError(where, f"{given}; expected {self.meaning}")
+            amiss = "no value" if value is None or isinstance(value, str) else f"{shown(value)} is not a path"
+            raise ParameterError(where, f"{amiss}; expected {self.meaning}")
         return Path(value)
 
 
@@ -293,7 +293,7 @@ def sort_of(name: str, annotation: Any) -> Parameter:
 
 
 def hints(owner: Any) -> dict[str, Any]:
-    """Return the annotations of a function, or of a class and its bases, of which the last that has a name counts.
+    """Return the annotations of a function, or of a class and its bases; a class overrides its bases.
 
     A name that only type checkers import stands for a class of that name: it has no sort, and is not imported for it.
     """
@@ -393,10 +393,10 @@ class CellRef(Parameter):
     def _coordinate(self, where: str, value: object) -> Coordinate:
         if isinstance(value, str) and value == "random":
             return "random"
-        number = as_int(value)
-        if number is None or number < 0:
+        cell = as_int(value)
+        if cell is None or cell < 0:
             raise ParameterError(where, f"{shown(value)} is not a coordinate; expected a cell from 0 on, or random")
-        return number
+        return cell
 
     def parse(self, text: str) -> object:
         parts = list_parts(text)
@@ -474,7 +474,7 @@ def with_lengths(text: str, parameter: Parameter, where: str, *, units: str | No
 
 def _number(text: str, unit: str, where: str, units: str | None) -> str:
     fraction = _FRACTION.fullmatch(text)
-    if fraction:
+    if fraction:  # rounded to a nanometre in cm, so that 3.5in and 8.89 cm are the same number
         whole, parts, of, own = fraction.groups()
         return repr(round((int(whole or 0) + int(parts) / int(of)) * CENTIMETRES[own] / CENTIMETRES[unit], 7))
     length = _LENGTH.fullmatch(text)

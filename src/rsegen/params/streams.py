@@ -88,11 +88,12 @@ class Streams:
         """Return the streams of the obstacle `key` in these maps."""
         import numpy as np
 
-        seeded, rest = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
+        # The hash of the seed is computed once; each map's digest goes on from there.
+        seeded, ending = hashlib.blake2b(f"{seed}/".encode(), digest_size=16), f"/{key}"
         digests = []
         for index in indices:  # as in `generator`, which begins anew
             own = seeded.copy()
-            own.update(f"{index}{rest}".encode())
+            own.update(f"{index}{ending}".encode())
             digests.append(own.digest())
         entropy = np.frombuffer(b"".join(digests), "<u4").reshape(-1, _WORDS).astype(np.uint32)
         words = _generated(_pooled(entropy)).astype("<u4").view("<u8").astype(np.int64)
@@ -110,8 +111,8 @@ class Streams:
         state: Any = rng.bit_generator.state
         wides = (_wide(state["state"][name]) for name in ("state", "inc"))
         ((high, low), (inc_high, inc_low)) = wides
-        one = [np.array([half], dtype=np.int64) for half in (high, low, inc_high, inc_low)]
-        return cls((one[0], one[1]), (one[2], one[3]))
+        halves = [np.array([half], dtype=np.int64) for half in (high, low, inc_high, inc_low)]
+        return cls((halves[0], halves[1]), (halves[2], halves[3]))
 
     def __len__(self) -> int:
         return len(self._increment[0])
@@ -122,7 +123,7 @@ class Streams:
         return Streams(state, increment)
 
     def put(self, maps: Any, part: Streams) -> None:
-        """Let the streams of some of the maps go on where those of a `part` are."""
+        """Let the streams of some of the maps go on from the state of a `part`."""
         (high, low), (of_part_high, of_part_low) = self._state, part._state
         self._state = high.copy(), low.copy()  # copies of these streams stay where they are
         self._state[0][maps], self._state[1][maps] = of_part_high, of_part_low
@@ -214,6 +215,7 @@ def _plus(left: Wide, right: Wide) -> Wide:
 def _times(left: Wide, right: Wide) -> Wide:
     """Return the products of integers of 128 bits, of which the lower 128 bits count: long multiplication."""
     (a_high, a_low), (b_high, b_low) = left, right
+    # In digits of 32 bits, whose products fit into 64; the high halves only add to the high half of the result.
     a1, a0, b1, b0 = _upper(a_low), a_low & _LOW_32, _upper(b_low), b_low & _LOW_32
     first, second = a1 * b0, a0 * b1
     middle = _upper(a0 * b0) + (first & _LOW_32) + (second & _LOW_32)

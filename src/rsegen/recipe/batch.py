@@ -1,4 +1,4 @@
-"""The blocks of many maps in one array, with the same levels as if built one by one.
+"""The blocks of many maps in one array, with the same levels as built one by one.
 
 numpy's cost per call exceeds that of the cells of a small map, so thousands of maps are made by the same calls:
 
@@ -69,24 +69,24 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
         If the array does not fit into memory.
     """
     refuse_other("recipe", recipe, MapDesign)
-    wanted = checked_indices(indices)
-    levels = flat_ground(recipe.grid, len(wanted))
-    fill(levels, recipe, wanted, _CELLS_AT_ONCE, _CELLS_SCALED_AT_ONCE)
+    checked = checked_indices(indices)
+    levels = flat_ground(recipe.grid, len(checked))
+    fill(levels, recipe, checked, _CELLS_AT_ONCE, _CELLS_SCALED_AT_ONCE)
     return levels
 
 
 def checked_indices(indices: Iterable[int]) -> Sequence[int]:
     """Return map indices as a sequence; ParameterError if any is no whole number or out of range."""
     try:
-        wanted = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
+        checked = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
     except TypeError:
         raise ParameterError("indices", f"{shown(indices)} is not a list of map indices, such as range(1000)") from None
     # The ends of a range are its least and largest: it may be too long to be gone through.
-    ends = (wanted[0], wanted[-1]) if isinstance(wanted, range) and wanted else wanted
-    for index in (min(ends), max(ends)) if wanted else ():
+    ends = (checked[0], checked[-1]) if isinstance(checked, range) and checked else checked
+    for index in (min(ends), max(ends)) if checked else ():
         if not 0 <= index < SEEDS:
             raise ParameterError("indices", f"{index} is outside 0..{SEEDS - 1}")
-    return wanted
+    return checked
 
 
 def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, scaled_cells: int) -> None:
@@ -143,6 +143,7 @@ class _InManyMaps:
 
     def impose_on(self, levels: Any, indices: Sequence[int]) -> None:
         """Impose the obstacle on these maps, (maps, n_x, n_y), in place."""
+        # From the cheapest way that the kind allows to the dearest, map by map; all draw the same numbers.
         if self._patch is not None:
             self._impose(levels, self._patch)
             return
@@ -174,8 +175,8 @@ class _InManyMaps:
         """Return the patch of every map, of which each that several maps have is made once."""
         n_x, n_y = self._grid.shape
         (x1, y1), (x2, y2) = ends = self._ends_of(streams)
-        numbers = ((x1 * n_y + y1) * n_x + x2) * n_y + y2
-        _, first_of, place = np.unique(numbers, return_index=True, return_inverse=True)
+        pair_of_map = ((x1 * n_y + y1) * n_x + x2) * n_y + y2  # both ends as one number
+        _, first_of, place = np.unique(pair_of_map, return_index=True, return_inverse=True)
         pairs = np.stack([np.stack([at[first_of] for at in end], axis=-1) for end in ends], axis=1)
         patch = self._obstacle.patches(self._grid, pairs)
         return patch._replace(levels=patch.levels[place], footprint=patch.footprint[place])
@@ -185,9 +186,9 @@ class _InManyMaps:
         # The numbers of the cells are those that follow the ends.
         ends = zip(*self._ends_of(streams), self._grid.shape, strict=True)
         (x, in_x, _), (y, in_y, n_y) = (_between(*pair) for pair in ends)
-        number = np.where(in_x[:, :, None] & in_y[:, None], x[:, :, None] * n_y[:, None] + y[:, None], 0)
-        uniform = streams.on_device_of(like).arrays((int(number.max()) + 1,))
-        drawn = take_along_rows(uniform, asarray(number.reshape(len(number), -1), like)).reshape(number.shape)
+        place = np.where(in_x[:, :, None] & in_y[:, None], x[:, :, None] * n_y[:, None] + y[:, None], 0)
+        uniform = streams.on_device_of(like).arrays((int(place.max()) + 1,))
+        drawn = take_along_rows(uniform, asarray(place.reshape(len(place), -1), like)).reshape(place.shape)
         return Patch(EVERYWHERE, obstacle.drawn(drawn), in_x[:, :, None] & in_y[:, None])
 
     def _ends_of(self, streams: Streams) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
@@ -204,7 +205,7 @@ class _InManyMaps:
 
 
 def _is_drawn_alike(obstacle: Filling) -> bool:
-    """Return whether obstacles of many maps are made together, by the numbers that follow those of their ends."""
+    """Return whether obstacles of many maps are made together, by the numbers that follow their ends' numbers."""
     return obstacle.draws_alike and is_elementwise(obstacle.ends)
 
 

@@ -88,15 +88,15 @@ def refuse_other_levels(obstacle: Obstacle, patch: Patch) -> None:
     own = levels[np.broadcast_to(patch.footprint, levels.shape)]  # it may be the same in many maps
     low, high = obstacle.level_range
     if own.size and not low <= own.min() <= own.max() <= high:
-        given = f"levels {own.min()}..{own.max()} are not all in {low}..{high}"
-        raise PluginError(f"obstacle kind {obstacle.kind}: {given}; a profile is 0 to 1, and drawn() gives levels")
+        problem = f"levels {own.min()}..{own.max()} are not all in {low}..{high}"
+        raise PluginError(f"obstacle kind {obstacle.kind}: {problem}; a profile is 0 to 1, and drawn() gives levels")
 
 
 def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[dict[str, Json]]:
     """Yield where each obstacle that is switched on lies in map `index`, as JSON, random ends as they were drawn.
 
     In block cells, frames left out: `first` and `last` are its ends, `patch` the number of `blocks` that it covers and,
-    if there are any, the corners of their rectangle, `from` and `to`. only_by_chance: leave out those of fixed ends
+    unless that is 0, the corners of their rectangle, `from` and `to`. only_by_chance: leave out obstacles of fixed ends
     """
     for row, obstacle in recipe.enabled_obstacles:
         if only_by_chance and fixed_ends(recipe.grid, obstacle) is not None:
@@ -158,6 +158,7 @@ def covered_obstacles(recipe: MapDesign, index: int) -> list[tuple[int, tuple[in
     """
     if all(obstacle.blend != "replace" for _, obstacle in recipe.enabled_obstacles[1:]):
         return []
+    # From the last obstacle to the first, so that each finds its blocks under those that were imposed after it.
     covered, top = [], np.full(recipe.grid.shape, -1, dtype=np.int32)
     for row, obstacle, patch in _patches(recipe, INDEX.check("index", index), from_last=True):
         above = top[patch.window]  # the last obstacle that replaced each block, of those after this one
@@ -185,8 +186,8 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
     try:
         return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):
-        what = "chunks: a map" if maps is None else f"indices: {maps:,} maps"
-        raise TooLarge(f"{what} of {grid.n_x} x {grid.n_y} blocks would exceed this machine's memory") from None
+        where = "chunks: a map" if maps is None else f"indices: {maps:,} maps"
+        raise TooLarge(f"{where} of {grid.n_x} x {grid.n_y} blocks would exceed this machine's memory") from None
 
 
 def impose(levels: Any, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:

@@ -103,15 +103,15 @@ def check_plugins(recorded: Mapping[str, str], content: Mapping[str, Any]) -> No
     kinds = [row.get("kind") for row in rows if isinstance(row, Mapping)] if isinstance(rows, (list, tuple)) else []
     for name, needed in recorded.items():
         if name in kinds:
-            what, here = "obstacle kind", _origin_of_kind(name)
+            sort, origin = "obstacle kind", _origin_of_kind(name)
         elif name == robot:
-            what, here = "robot", _origin_of_robot(name)
-        else:
+            sort, origin = "robot", _origin_of_robot(name)
+        else:  # recorded, but no longer used: somebody has changed the file
             continue
-        if not here:
-            raise ParameterError("", f"the {what} {name!r} {Source.parse(needed).install_hint}")
-        if here != needed:
-            text = f"{name} of {needed} was used to make this, and {here} is here: maps may differ"
+        if not origin:
+            raise ParameterError("", f"the {sort} {name!r} {Source.parse(needed).install_hint}")
+        if origin != needed:
+            text = f"{name} of {needed} was used to make this, and {origin} is here: maps may differ"
             warnings.warn(text, PluginWarning, stacklevel=2)
 
 
@@ -180,13 +180,13 @@ def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
     if "kind" not in row:
         raise ParameterError("kind", f"missing; choose a kind of obstacle (known: {', '.join(KINDS)})")
     cls = KINDS.named(row["kind"], "kind")
-    given = {name: value for name, value in row.items() if name != "kind"}
+    values = {name: value for name, value in row.items() if name != "kind"}
     known = row_parameters(cls)
-    refuse_unknown(f"parameter of {cls.kind}", given, known)
+    refuse_unknown(f"parameter of {cls.kind}", values, known)
     for name in required_parameters(cls):
-        if name not in given:
+        if name not in values:
             raise ParameterError(name, f"missing; expected {known[name].describe()} ({known[name].help})")
-    return cls(**given)
+    return cls(**values)
 
 
 def row_text(obstacle: Obstacle) -> str:

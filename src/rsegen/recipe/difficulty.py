@@ -1,4 +1,4 @@
-"""Scales a map to its difficulty: a share of the rms step between the blocks of its obstacles.
+"""Scale a map to its difficulty: a share of the rms step between the blocks of its obstacles.
 
     levels h --scaled--> floor(s h + u), u near 1/2: every block s times as high, rounded to whole units
 
@@ -136,6 +136,7 @@ def nearest_field(
     designed: the measure at scale 1; at 0 it is 0. designed, share, halvings: numbers, or (maps,) for many fields. A
     larger share never gives a smaller scale, so the fields of rising difficulty are nested.
     """
+    # Many maps are halved together; one whose number of halvings is reached keeps its bounds from then on.
     asked = share * designed
     low, high = (0 * asked, 0 * asked), (0 * asked + 1, designed)  # scales, and the measures there
     fewest, most = (halvings, halvings) if isinstance(halvings, int) else (int(halvings.min()), int(halvings.max()))
@@ -150,7 +151,7 @@ def nearest_field(
 
 
 def _each(condition: Any, yes: Sequence[Any], no: Sequence[Any]) -> Sequence[Any]:
-    return [where(condition, own, other) for own, other in zip(yes, no, strict=True)]
+    return [where(condition, if_true, if_false) for if_true, if_false in zip(yes, no, strict=True)]
 
 
 def _rounding(levels: Any, drawn: Any) -> Any:

@@ -29,7 +29,7 @@ def recipe_of(field: StepField) -> Recipe:
     sides = [int(field.inside(axis).sum()) for axis in (0, 1)]
     chunk_size, boundary = largest_chunk(*sides), "none"
     if field.frame.any():
-        # A frame is one cell deep, so the blocks up to the next one are those of the chunk, or of the map.
+        # A frame is one cell deep; the blocks up to the next one are a chunk's, or the map's.
         runs = [int(np.argmin([*field.inside(axis)[1:], False])) for axis in (0, 1)]
         chunk_size, boundary = (chunk_size, "outer") if runs == sides else (runs[0], "divided")
     return Recipe(

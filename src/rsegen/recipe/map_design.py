@@ -344,7 +344,7 @@ another word would change every map whose rows have no key of their own."""
 
 def derived_keys(stem: str, taken: Set[str]) -> Iterator[str]:
     """Yield the keys of rows like each other, in their order, without those that other rows were given."""
-    numbered = (f"{stem}-{number}" if number else stem for number in count())
+    numbered = (f"{stem}-{place}" if place else stem for place in count())
     return (key for key in numbered if key not in taken)
 
 
@@ -368,10 +368,10 @@ def without_derived_keys(obstacles: Sequence[Obstacle]) -> tuple[Obstacle, ...]:
     """Return obstacles without the keys that `with_keys` would give them again, as people write them."""
     own = {row for row, obstacle in enumerate(obstacles) if not (obstacle.key or "").startswith(key_stem(obstacle))}
     while True:
-        bare = tuple(one if row in own else _under(one, None) for row, one in enumerate(obstacles))
+        bare = tuple(obstacle if row in own else _under(obstacle, None) for row, obstacle in enumerate(obstacles))
         pairs = zip(with_keys(bare), obstacles, strict=True)
         # A row like another one may have a number that its place in the list would not give it.
-        others = {row for row, (again, one) in enumerate(pairs) if again.key != one.key}
+        others = {row for row, (again, before) in enumerate(pairs) if again.key != before.key}
         if not others:
             return bare
         own |= others

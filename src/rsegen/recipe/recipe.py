@@ -129,8 +129,8 @@ class Representation:
     @property
     def is_of_one_friction(self) -> bool:
         """Return whether blocks, frames and ground all have the same coefficient."""
-        given = (self.frame_friction, *(self.level_friction or ()))
-        return all(friction in (None, self.friction) for friction in given)
+        own = (self.frame_friction, *(self.level_friction or ()))
+        return all(friction in (None, self.friction) for friction in own)
 
     def _check_representation(self) -> None:
         """Raise a ParameterError for a shape that models of this mesh type cannot have."""

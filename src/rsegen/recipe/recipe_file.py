@@ -71,7 +71,7 @@ def or_example(path: str | Path) -> Path:
 
 
 def recipe_in(path: str | Path) -> Recipe:
-    """Return the recipe in a file or, if there is none, what a capability knows by the text, as a map of a data set."""
+    """Return the recipe in a file; without a file, what a capability knows by the text, such as a map of a data set."""
     if not os.path.lexists(path):
         for recipe_of in hooks("targets"):
             recipe: Recipe | None = recipe_of(str(path))
@@ -86,8 +86,8 @@ def recipe_and_content(path: Path) -> tuple[Recipe, object]:
         content = recipe_content(path)
         return answered(decode, content), content
     except UserError as error:
-        if other := _other_file(path):
-            raise FileError(f"{path}: {other}") from None
+        if description := _other_file(path):
+            raise FileError(f"{path}: {description}") from None
         raise error.of(str(path)) if isinstance(error, ParameterError) else error from None
 
 
@@ -113,8 +113,8 @@ def answered(make: Callable[[Any], Recipe], content: Any) -> Recipe:
         raise ParameterError("crossable_room", f"cannot be set together with {asked}, which finds it")
     recipe = make({**content, "crossable_by": robot})
     for with_certainty in hooks("certainty"):
-        found: Recipe = with_certainty(recipe, certainty)
-        return found
+        with_room: Recipe = with_certainty(recipe, certainty)
+        return with_room
     raise ParameterError("crossable_by", f"{asked}: a certainty takes drives, and nothing that drives is installed")
 
 
@@ -126,12 +126,12 @@ def _other_file(path: Path) -> str:
     """Return what a file is that is no recipe, and what reads it; an empty text if that is not known."""
     if not (start := regular_content(path, _START)):
         return ""
-    what, readers = file_type(start), [reader for reads in hooks("reads") if (reader := reads(path, start))]
-    if not what and not readers:
+    sort, readers = file_type(start), [reader for reads in hooks("reads") if (reader := reads(path, start))]
+    if not sort and not readers:
         return ""
-    if (path.parent / "recipe.json").is_file():
+    if (path.parent / "recipe.json").is_file():  # a file of a map, such as its mesh
         readers = [f"its folder, which has one: {path.parent}"]
-    return f"{what or f'a {path.suffix} file'}, and not a recipe{'; use ' if readers else ''}{' or '.join(readers)}"
+    return f"{sort or f'a {path.suffix} file'}, and not a recipe{'; use ' if readers else ''}{' or '.join(readers)}"
 
 
 def recipe_content(path: Path) -> object:

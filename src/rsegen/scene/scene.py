@@ -84,15 +84,15 @@ class Scene:
 
     def colour(self, material: int) -> Colour:
         """Return the colour of a material in worlds: 0 is the frame, any other number a level."""
-        if (given := self._given_colour(material)) or not material:
-            return given or FRAME_COLOUR
+        if (chosen := self._chosen_colour(material)) or not material:
+            return chosen or FRAME_COLOUR
         # Above the top level, as of blocks of an inventory, all have its colour.
         share = min(material / max(self.recipe.top_level, 1), 1)
         return rounded_colour(ramp_colour(_LOW_TO_HIGH, share))
 
     def plan_colour(self, material: int) -> Colour:
-        """Return the colour of a material in plans: a level has that of its height, unless the recipe gives one."""
-        if not material or self._given_colour(material):
+        """Return the colour of a material in plans: a level's is by its height, unless the recipe chooses one."""
+        if not material or self._chosen_colour(material):
             return self.colour(material)
         return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
@@ -102,7 +102,7 @@ class Scene:
             return rounded_colour(ramp_colour(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":
             return self.colour(material)
-        return self._given_colour(material) or (_TIMBER[material % len(_TIMBER)] if material else _BOARDS)
+        return self._chosen_colour(material) or (_TIMBER[material % len(_TIMBER)] if material else _BOARDS)
 
     def surface_colour(self, material: int) -> Colour:
         """Return the colour of a material from afar, for programs and pictures without textures."""
@@ -112,20 +112,20 @@ class Scene:
         return rounded_colour(own * texture for own, texture in zip(tint, mean, strict=True))
 
     def view_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views: that of wood or friction if the look shows it, else as in plans.
+        """Return the colour of a material in views: of wood or friction if the look shows it, else as in plans.
 
         So a height has one colour in views and plans; in worlds a level has its own.
         """
         return self.surface_colour(material) if self.recipe.look in ("wood", "friction") else self.plan_colour(material)
 
-    def _given_colour(self, material: int) -> Colour | None:
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        return rounded_colour(part / 255 for part in bytes.fromhex(given[1:])) if given else None
+    def _chosen_colour(self, material: int) -> Colour | None:
+        colour = _chosen(material, self.recipe.frame_colour, self.recipe.level_colours)
+        return rounded_colour(part / 255 for part in bytes.fromhex(colour[1:])) if colour else None
 
     def friction_of(self, material: int) -> float:
         """Return the friction coefficient of a material: 0 is the frame, any other number a level."""
-        given = _given(material, self.recipe.frame_friction, self.recipe.level_friction)
-        return self.friction if given is None else given
+        chosen = _chosen(material, self.recipe.frame_friction, self.recipe.level_friction)
+        return self.friction if chosen is None else chosen
 
     def by_friction(
         self, field: StepField, window: CellWindow | None = None
@@ -161,8 +161,8 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
     return Scene(recipe=recipe, index=index, field=build(recipe, index))
 
 
-def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
-    """Return the value that a recipe gives for a material, if any: for the frame, or for levels 1, 2, ..."""
+def _chosen(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
+    """Return the value that a recipe has for a material, if any: for the frame, or for levels 1, 2, ..."""
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None

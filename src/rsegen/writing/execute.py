@@ -70,9 +70,9 @@ _Submit = Callable[..., Future[Any]]
 
 
 def cores() -> int:
-    """Return how many cores this process may use: those of the machine, or fewer in a container or a job."""
-    here = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-    return max(1, math.ceil(min(here, processors())))
+    """Return how many cores this process may use: all of the machine, or fewer in a container or a job."""
+    available = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    return max(1, math.ceil(min(available, processors())))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -112,9 +112,9 @@ def execute(
 def executor_of(
     work: Callable[[Sequence[Item]], Result], seconds: float, execution: Execution
 ) -> Iterator[Callable[[Sequence[Item]], Iterator[Result]]]:
-    """Yield a function that does what `execute` does, to be called again and again: its workers stay until the end.
+    """Yield a function that works as `execute`, for many calls: its workers stay until the end.
 
-    They are those of a cluster if one is given, and this process alone if one worker is.
+    The workers are a cluster's if a scheduler is given; with one worker it is this process alone.
     """
     most = min(execution.workers, MOST)
     if execution.scheduler is None and most <= 1:
@@ -133,6 +133,7 @@ def _here(work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[I
 
 
 def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Sequence[Item]]:
+    # About `BATCH` seconds each, and with several workers so small that each gets some of few items.
     size = max(1, math.ceil(BATCH / seconds if workers == 1 else min(BATCH / seconds, len(items) / workers / _SHARES)))
     return (items[start : start + size] for start in range(0, len(items), size))
 
@@ -148,6 +149,7 @@ def _in_order(
 
     check: called now and then while a result is waited for; it raises where none will come any more
     """
+    # The oldest batch is waited for while the next ones are worked on; each result makes room for one batch more.
     waiting = deque(_submitted(submit, work, batch) for batch in islice(batches, AHEAD * workers))
     while waiting:
         yield _result(waiting.popleft(), check)
@@ -192,7 +194,7 @@ def _processes(workers: int) -> Iterator[tuple[_Submit, int, Callable[[], None]]
     def check() -> None:
         # A worker that is killed in the middle of a result leaves the pool's thread to wait for the rest of it for
         # ever, and the other workers for their turn to send theirs.
-        if wait([one.sentinel for one in [*pool._processes.values()]], timeout=0):
+        if wait([worker.sentinel for worker in [*pool._processes.values()]], timeout=0):
             raise BrokenProcessPool
 
     try:
@@ -267,8 +269,9 @@ def _start_worker(parent_stops: Connection) -> None:
         _end_helpers()
         os._exit(1)  # what it was writing is staged, and removed by its parent
 
-    for number in _STOP_SIGNALS:
-        signal.signal(number, lambda *_: None)
+    for stop_signal in _STOP_SIGNALS:
+        signal.signal(stop_signal, lambda *_: None)
+    # They were blocked when the process was born, before it had these handlers.
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOP_SIGNALS)
     threading.Thread(target=watch, daemon=True).start()
@@ -337,6 +340,7 @@ def _submit_to(client: Any, work: Callable[[Sequence[Item]], Result], batch: Seq
     Dask's own executor asks for the state of work after its result has come, and takes the result for an error where a
     worker was lost in between.
     """
+    # pure=False: Dask would take a second call with the same items for the first one, whose staged files are gone.
     theirs, ours = client.submit(work, batch, pure=False), Future[Result]()
 
     async def pass_on() -> None:

@@ -113,7 +113,7 @@ def _entry(line: bytes) -> dict[str, Any]:
 
 
 def read_journal(folder: Path) -> Journal | None:
-    """Return the journal of a folder, None if there is none; FileError if it is damaged or not rsegen's."""
+    """Return the journal of a folder, None if it has no journal; FileError if that is damaged or not rsegen's."""
     path = folder / JOURNAL
     if path.is_symlink():
         raise FileError(f"{path}: is a link, so nothing in this folder is replaced; use another folder")
@@ -136,13 +136,13 @@ def _decoded(text: bytes) -> Journal:
     """Return the journal of these lines; ValueError, TypeError, KeyError or AttributeError if they are none."""
     *lines, last = text.split(b"\n")  # a last line that was cut off does not count
     first, *entries = map(_entry, lines)
-    if last[:-1].endswith(b'"}') and _CHECK in last:  # its end was changed
+    if last[:-1].endswith(b'"}') and _CHECK in last:  # not cut off by a kill: its end was changed
         raise ValueError(last)
     if first["rsegen_journal"] != _FORMAT or len(text) > _LARGEST:
         raise ValueError(first)
     files: dict[str, tuple[Checksum, ...]] = {}
     results = []
-    for entry in entries:
+    for entry in entries:  # in their order: a later checksum comes last, and a file that is gone may come again
         if "file" in entry:
             name = inside(entry["file"])
             if not isinstance(entry["bytes"], int):
@@ -166,7 +166,7 @@ def inside(name: str) -> str:
 
 
 class OpenJournal:
-    """The journal of a folder that this run alone appends to; `content` is as it is on disk, None if there is none."""
+    """The journal of a folder that this run alone appends to; `content`: as on disk, None before the first line."""
 
     def __init__(self, folder: Path, staging: Path, *, sync: bool) -> None:
         self.content: Journal | None = read_journal(folder)

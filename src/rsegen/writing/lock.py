@@ -113,12 +113,13 @@ class Lock:
             os.close(descriptor)
 
     def _try(self, *, is_last: bool) -> None:
-        """Take the lock if no other run has it; a file that is empty on the last try is that of a killed run."""
+        """Take the lock if no other run has it; a file that is still empty on the last try was left by a killed run."""
         try:
             descriptor, is_new = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _OPEN, 0o666), True
         except FileExistsError:
             descriptor, is_new = os.open(self._path, os.O_RDWR | _OPEN), False
         try:
+            # Without locks of the disk only what the file says is known, and a dead run's file may be taken over.
             is_ours, entry = _locked(descriptor), _entry(descriptor)
             takes_over = is_ours is None and not is_new
             if is_ours is False or (takes_over and not (_is_gone(entry) and (entry or is_last))):
@@ -129,7 +130,7 @@ class Lock:
             os.ftruncate(descriptor, 0)
             os.lseek(descriptor, 0, os.SEEK_SET)
             os.write(descriptor, json.dumps(self._entry).encode())
-            if takes_over:
+            if takes_over:  # several runs may do so at once: the last to write its key has the lock
                 time.sleep(_POLL)
                 if _entry(descriptor) != self._entry:
                     self._descriptor = None
@@ -205,7 +206,7 @@ def _here() -> dict[str, object]:
 
 
 def _is_gone(entry: Mapping[str, object]) -> bool:
-    """Return whether a lock, on a disk without locks, is that of a process of this computer that has ended."""
+    """Return whether the process of a lock has ended, if it was one of this computer; for disks without locks."""
     import psutil
 
     host, pid = (entry.get(key) for key in ("host", "pid"))

@@ -3,9 +3,9 @@
     product: item --> Output, files as bytes --staging, in any process--> staged folder --run_in, this one--> its place
 
 Workers, or a cluster, only write below the hidden folder of the store; the process of the run alone puts things in
-place, in the order of the items. An item that exists already, to the byte, is kept by a run that is resumed: a folder
-whose recipe.json is the one that would be written, and whose files are as its journal says, is that map. Whatever ends
-a run, the error says what is complete.
+place, in the order of the items. A resumed run keeps an item that exists already, to the byte: a map is known by its
+recipe.json, which must be the one that would be written, and by its files, which must be as its journal says. Whatever
+ends a run, the error says what is complete.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Output(Generic[Made]):
-    """The files of one item, and what is known of it.
+    """The files of one item, and its description.
 
     folder: the name of the folder that they are in, below that of the run; empty for that one itself
     holds: what the folder is then, as its journal says; `adds`: to a folder that exists, and keeps everything else
@@ -143,6 +143,7 @@ def run_in(
         with closing(execute(staging, plan.to_make, plan.seconds, plan.execution)) as batches:
             for batch, failure in batches:
                 for staged in batch:
+                    # A signal between the swap and the count would report one item too few.
                     with held():
                         made.append(_put(store, staged, force=plan.replaces))
                 store.sync_names()
@@ -178,10 +179,11 @@ def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: 
     left, stuck = f"nothing was changed in {plan.folder}", store.swaps.words()
     if store.swaps.changed:
         complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
-        rest = "; the others are as they were" if plan.replaces and not stuck else ""
-        left = f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
+        others = "; the others are as they were" if plan.replaces and not stuck else ""
+        left = f"{complete} of {planned} {plan.what} are complete in {plan.folder}{others}"
     if isinstance(error, KeyboardInterrupt):
         return Stopped(left, changed=store.swaps.changed)
+    # Nothing was changed, so the error alone is the truth; else it gets the exit code of a run that ended half way.
     if not store.swaps.changed:
         return error
     if isinstance(error, OSError):

@@ -1,7 +1,7 @@
-"""The memory and disk space that a run needs, and how much of both is free: checked before anything is written.
+"""The memory and disk space that a run needs, checked against what is free before anything is written.
 
 One rule for memory: a map needs its cells times the bytes of the step that needs the most, whatever is made of it, and
-those of the piece of its mesh that is made at a time. For disk there is a lower bound, which is what a flat map needs.
+the memory of the piece of its mesh that is made at a time. For disk there is a lower bound: what a flat map needs.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Step = Literal["build", "measure", "surface", "mesh"]
 class InMemory(Protocol):
     """Output made of a map, such as a format: the step that needs about as much memory, and its largest array.
 
-    array_bytes: bytes per cell of the largest array that has several values per cell; 0 if there is none
+    array_bytes: bytes per cell of the largest array that has several values per cell; 0 without such an array
     """
 
     @property
@@ -84,11 +84,11 @@ def check_needs(
     free = _free_memory()
     largest = max((_checked_memory(recipe, step, things, free) for recipe in recipes), default=0)
     results, files = maps * BYTES_PER_MAP, maps * DISK_BYTES_PER_MAP
-    for what, size, most in (("memory", results, free), ("disk", files, _free_disk(folder))):
+    for resource, size, most in (("memory", results, free), ("disk", files, _free_disk(folder))):
         if size > most:
             raise TooLarge(
-                f"maps: {shown(maps)} maps need {format_bytes(size)} of {what} or more, {format_bytes(most)} are free; "
-                "make fewer, and the next ones from first_map on"
+                f"maps: {shown(maps)} maps need {format_bytes(size)} of {resource} or more, "
+                f"{format_bytes(most)} are free; make fewer, and the next ones from first_map on"
             )
     return max(1, free // (largest + BYTES_PER_WORKER))
 
@@ -168,7 +168,7 @@ def _bytes(cells: int, per_cell: int) -> int:
 
 
 def _free_memory() -> int:
-    """Return the bytes of memory that this program can have: those of the machine, or fewer in a container or a job."""
+    """Return the bytes of memory that this program can have: all free ones, or fewer in a container or a job."""
     return int(min(_free_on_machine(), control_groups.free_memory()))
 
 

@@ -86,7 +86,7 @@ class Sidecar(ABC):
         """Return their content, by path in the map's folder; it is made when it is read."""
 
     def lists(self, home: str) -> Bundle:
-        """Return those of the files that list what an earlier run left in the folder of a map, which it keeps, too."""
+        """Return the files that list a map's files, made anew with the files that an earlier run left in its folder."""
         return {}
 
     @abstractmethod

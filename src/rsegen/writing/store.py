@@ -168,8 +168,8 @@ class Store:
         below: a folder that has them, and its own journal; whole: folders that are replaced as one, whose files
         are all among them.
         """
-        # A unit is a file, or a whole folder among them: each is swapped by itself, and swapped back if a later one
-        # fails.
+        # 1. What may be replaced? A unit is a file, or a whole folder among them: each is swapped by itself, and
+        # swapped back if a later one fails.
         folder = self.folder / below
         journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
@@ -181,10 +181,12 @@ class Store:
         self.lock.check()
         if below:
             refuse_locked(folder)
+        # 2. The journal first, so that after a kill each file, old or new, is known as rsegen's; then the swaps.
         listed = journal.announced(files, holds) if holds or journal.content else nullcontext()
         with held(), listed, self.swaps.all_or_none() as undo:
             for name in units:
                 self.swaps.swap(root / name, folder / name, undo, replaces=name in existing)
+        # 3. Names that went with a replaced folder leave the journal; until then they are only missing.
         if gone:
             journal.drop(gone)
         if below:
@@ -257,8 +259,8 @@ def refuse_taken_file(path: Path, *, force: bool) -> None:
 
 def taken(place: Path) -> OutputError:
     """Return the error of a name that exists already."""
-    what = "another folder or name" if place.is_dir() else "another name"
-    return OutputError(f"{place}: exists already; use force=True to replace it, or {what}")
+    instead = "another folder or name" if place.is_dir() else "another name"
+    return OutputError(f"{place}: exists already; use force=True to replace it, or {instead}")
 
 
 def _remove(folder: Path) -> None:
@@ -288,7 +290,7 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
             refuse_link(store.home)
             try:
                 store.lock.take(wait)
-                store.clear()
+                store.clear()  # what killed runs have left: put back, or removed
                 store.staging.mkdir()
                 yield store
                 store.is_done = True
@@ -299,8 +301,8 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
     except (RsegenError, Stopped):
         raise
     except KeyboardInterrupt:
-        what = output or folder
-        left = f"what is complete in {what} stays" if store.swaps.changed else f"nothing was changed in {what}"
+        place = output or folder
+        left = f"what is complete in {place} stays" if store.swaps.changed else f"nothing was changed in {place}"
         raise Stopped(left, changed=store.swaps.changed) from None
     except OSError as error:
         raise _write_error(store, output or folder, error, is_hidden_new=is_hidden_new) from error
@@ -360,6 +362,7 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
             pass  # it moves back what a run before has made, and could not put in place
     with open_store(folder, sync=sync):  # the old folder is locked too, so that no other run changes it meanwhile
         begun = folder / NEXT
+        # What a stopped run has made goes on if it is of the same values; a half result of others is removed.
         if not is_empty(begun):
             refuse_loss(begun, holds)
             journal = read_journal(begun)

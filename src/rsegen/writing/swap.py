@@ -63,7 +63,7 @@ def exchange(new: Path, place: Path, aside: Path) -> None:
         os.replace(new, place)
         os.rename(aside, new)
     except OSError as error:
-        try:
+        try:  # both names back: `new` has its content again, and the place the old one
             if is_folder and os.path.lexists(place):
                 os.rename(place, new)
             os.replace(aside, place)

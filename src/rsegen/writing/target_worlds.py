@@ -49,7 +49,7 @@ def recipe_files_in(folder: Path) -> list[Path]:
 
 
 def recipe_files(target: str) -> list[Path]:
-    """Return a recipe's file, or that of a map's folder, or of every map in a folder; FileError if there is none."""
+    """Return the file of a recipe, of a map's folder, or of every map in a folder; FileError if it has no map."""
     path = or_example(target)
     own = path / "recipe.json" if os.path.isdir(target) else path
     files = [own] if own == path or own.is_file() else recipe_files_in(path)
@@ -172,7 +172,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
 
 
 def _world_with_recipe(file: Path) -> World:
-    """Return the world in a file, with the recipe next to it, if there is one, or why that cannot be read."""
+    """Return the world in a file, with the recipe.json next to it, if it exists, or why that cannot be read."""
     recipe_file = file.with_name("recipe.json")
     try:
         return World(file=file, recipe=load(recipe_file) if recipe_file.is_file() else None)

@@ -1,11 +1,13 @@
-"""Swaps that belong together: all are made, or all are taken back; what cannot be taken back is known, and named.
+"""Swaps that belong together: all are made, or all are taken back; what cannot be taken back is named.
 
 A disk whose rename fails may fail again when the renames before it are taken back. Then some places have the new file
 or folder already, or, on a disk that cannot exchange two names, nothing: the old one lies aside. Nothing is removed
 then. The journal keeps the lines of the new files, so the next run knows them as rsegen's, replaces or completes them,
-and puts back what lies aside. Only two things could be lost by that, and DIR/.rsegen/kept says where they lie: a folder
-that somebody changed in the moment of the swap, for which the next run is refused until it is moved away, and a data
-set that is complete but not in its place, which the next run moves there.
+and puts back what lies aside. Only two things could be lost by that, and DIR/.rsegen/kept says where they lie:
+
+    a folder that somebody changed in the moment of the swap    the next run is refused until it is moved away
+    a data set that is complete, but not in its place           the next run moves it there
+
 What breaks it: a disk that does not even take this file, in these two cases.
 """
 
@@ -90,7 +92,9 @@ class Swaps:
         """Return what could not be put back, and what to do about it; an empty text if all was."""
         if not self.stuck:
             return ""
-        named = [f"{place} ({words})" for place, words in sorted(self.stuck.items(), key=lambda each: each[1] == _NEW)]
+        # What lies elsewhere first, as somebody may have to move it; new files are made again anyway.
+        lost_first = sorted(self.stuck.items(), key=lambda item: item[1] == _NEW)
+        named = [f"{place} ({words})" for place, words in lost_first]
         more = f" and {len(named) - _MOST} more new files" if len(named) > _MOST else ""
         return f"; could not be put back: {', '.join(named[:_MOST])}{more}; force=True makes all of it again"
 
@@ -186,6 +190,7 @@ def remove_empty(folder: Path) -> None:
         with suppress(OSError):
             folder.rmdir()
             return
+        # Not empty, perhaps: only files that the disk itself still has to remove are worth waiting for.
         names: list[str] | None = None
         with suppress(OSError):
             names = os.listdir(folder)

@@ -40,8 +40,8 @@ def user_name() -> str:
 
 def state_folder() -> Path:
     """Return the folder for what programs keep of a user between their runs, after the XDG base directories."""
-    given = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(given) if os.path.isabs(given) else home_folder() / ".local" / "state") / "rsegen"
+    named = os.environ.get("XDG_STATE_HOME", "")  # the specification says that a relative path is to be ignored
+    return (Path(named) if os.path.isabs(named) else home_folder() / ".local" / "state") / "rsegen"
 
 
 def state_file(name: str) -> Path:
@@ -71,8 +71,8 @@ def write_state(name: str, content: Any) -> None:
 
 def state_files(name: str) -> Iterator[tuple[Path, bool]]:
     """Yield the files under a name, the newest first, and whether the process of each still runs."""
-    found = [path for path in state_folder().glob(f"{name}-*.json") if path.stem.rpartition("-")[2].isdecimal()]
-    for path in sorted(found, key=_changed_at, reverse=True):
+    paths = [path for path in state_folder().glob(f"{name}-*.json") if path.stem.rpartition("-")[2].isdecimal()]
+    for path in sorted(paths, key=_changed_at, reverse=True):
         yield path, _runs(path)
 
 
@@ -83,7 +83,7 @@ def _changed_at(path: Path) -> float:
 
 
 def _runs(path: Path) -> bool:
-    """Return whether the process that wrote a file runs: its number may have become that of a later one."""
+    """Return whether the process that wrote a file still runs; a later process may have its id, but started later."""
     import psutil
 
     try:

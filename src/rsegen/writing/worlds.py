@@ -164,10 +164,10 @@ def refuse_names(folder: Path, maps: Iterable[str], files: Iterable[str], on_exi
 def world_output(
     scene: Scene, folder: Path, sidecars: Sequence[Sidecar], *, keeps_files: bool = False, keeps_scene: bool = False
 ) -> Output[GeneratedMap]:
-    """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`.
+    """Return the files of the world of one map and of its sidecars, with the map's description.
 
-    keeps_files: also those of an incomplete map in `folder` that are made anew by none of them, such as a picture that
-    an earlier run added
+    keeps_files: also files of an incomplete map in `folder` that none of these makes anew, such as a picture that an
+    earlier run added
     """
     bundle = dict(export(scene))
     for sidecar in sidecars:
@@ -189,17 +189,18 @@ def world_output(
 
 
 def _earlier_files(home: Path, made: Collection[PurePosixPath], sidecars: Iterable[Sidecar]) -> Bundle:
-    """Return the files that an incomplete map in the folder `home` keeps, and those of sidecars that list them too.
+    """Return the files that an incomplete map in the folder `home` keeps, and the sidecars' lists of all files.
 
     A folder in it, such as that of a format, is kept if none of its files is missing. The plan has refused changed
-    files, and the swap refuses those that are changed meanwhile.
+    files, and the swap refuses files that are changed meanwhile.
     """
     if (journal := read_journal(home)) is None:
         return {}
     gone = {PurePosixPath(name).parts[0] for name in compare(home, journal).missing}
     gone |= {path.parts[0] for path in made}
-    kept = [path for path in map(PurePosixPath, journal.files) if path.parts[0] not in gone]
-    files: dict[PurePosixPath, Iterable[bytes]] = {path: map(Path.read_bytes, [home / path]) for path in kept}
+    earlier = [path for path in map(PurePosixPath, journal.files) if path.parts[0] not in gone]
+    # `map` reads each file when it is staged, not here: a map may have gigabytes of them.
+    files: dict[PurePosixPath, Iterable[bytes]] = {path: map(Path.read_bytes, [home / path]) for path in earlier}
     for sidecar in sidecars:
         files |= sidecar.lists(str(home))
     return files

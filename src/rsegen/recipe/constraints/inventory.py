@@ -47,6 +47,7 @@ def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.G
     owned: number of blocks of level 1, 2, ... As many cells as possible of those that are designed with a block have
     one; their levels are as near as possible to the design.
     """
+    # Counts by level are exact; then the cells of one level, in a random order, get the blocks that are used for it.
     levels = field.levels.astype(np.int64)
     wished, taken = nearest_counts(field, owned)
     stock, ends = block_counts(owned, len(wished)), np.cumsum(wished)
@@ -65,9 +66,9 @@ def nearest_counts(design: StepField, owned: Sequence[int]) -> tuple[Ints, Ints]
     Of level 0 the first has none, and the second as many as there are cells without a block.
     """
     wished = np.bincount(design.levels[~design.frame].astype(np.int64), minlength=len(owned) + 1)
-    given, wished[0] = block_counts(owned, len(wished)), 0
-    given[0] = max(int(wished.sum() - given[1:].sum()), 0)  # cells for which there is no block
-    return wished, nearest_blocks(wished, given)
+    stock, wished[0] = block_counts(owned, len(wished)), 0
+    stock[0] = max(int(wished.sum() - stock[1:].sum()), 0)  # cells for which there is no block
+    return wished, nearest_blocks(wished, stock)
 
 
 def nearest_blocks(wished: Ints, given: Ints) -> Ints:
@@ -88,7 +89,7 @@ def nearest_blocks(wished: Ints, given: Ints) -> Ints:
 
 
 class _CarriedBlocks:
-    """The blocks carried past each level on a line of levels, as few as possible.
+    """The fewest blocks carried past each level on a line of levels.
 
     x(k) is the number of blocks used up to level k less that of cells up to it, so |x(k)| of them are carried on to, or
     from, the next level, and the sum of |x(k)| is the sum of differences. f(k, x) is the least sum up to level k:
@@ -115,8 +116,8 @@ class _CarriedBlocks:
             left, right = self._left[0][0], self._right[0][0]  # where f(k - 1) is least
             self._least.append((self._shifts[0] - left, self._shifts[1] + right))
             self._shifts = [self._shifts[0] - cells, self._shifts[1] + blocks - cells]
-            below, here, above = ends[k + 1], ends[k + most + 1], ends[k + 2 * most + 1]
-            self._forbid(below - here, above - here)
+            least, wished_so_far, highest = ends[k + 1], ends[k + most + 1], ends[k + 2 * most + 1]
+            self._forbid(least - wished_so_far, highest - wished_so_far)
             self._add(0, 1, 1)
             self._add(0, 1, -1)
         self._forbid(0, 0)
@@ -221,7 +222,7 @@ class BlockCounts:
                 return np.asarray(least)
 
     def _greatest(self, values: Ints) -> _Cumulative:
-        """Return the greatest solution below some values, if there is one below them."""
+        """Return the greatest solution below some values, if one exists."""
         greatest = values
         while True:
             before = greatest
@@ -248,15 +249,16 @@ class Stock:
         They use as many blocks as `like` has above 0, or as the stock and the limit allow. None if no such order is
         found, which happens with caps alone. empty: least number of cells of level 0.
         """
-        there = ~field.frame
-        wished = np.bincount(field.levels[there], minlength=len(self.owned))
-        low = np.full(len(wished), min(empty, int(there.sum())))
+        # The counts first, by the theorem on fill orders; where each block lies is then a matter of swaps.
+        has_block = ~field.frame
+        wished = np.bincount(field.levels[has_block], minlength=len(self.owned))
+        low = np.full(len(wished), min(empty, int(has_block.sum())))
         if caps is not None:
-            low = np.maximum(low, np.bincount(caps[there].clip(0, len(low) - 1), minlength=len(low)).cumsum())
-        n = cells_with_neighbours(fill_order(there, like), there)
-        counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[there] > 0).sum()), low)
+            low = np.maximum(low, np.bincount(caps[has_block].clip(0, len(low) - 1), minlength=len(low)).cumsum())
+        n = cells_with_neighbours(fill_order(has_block, like), has_block)
+        counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[has_block] > 0).sum()), low)
         levels = np.full(field.shape, -1)
-        levels[there] = np.repeat(np.arange(len(counts)), counts)
+        levels[has_block] = np.repeat(np.arange(len(counts)), counts)
         arranged = rearranged_like(levels, self.limit, stream, like, caps)
         return None if arranged is None else np.maximum(arranged, 0)
 
