@@ -143,7 +143,7 @@ def _ruler(low: Array, high: Array, step: float) -> Triangles:
 def _camera(points: Array) -> Camera:
     """Return a camera that sees all points, (n, 3)."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    # The ball around all points, half of the angle of view away from the camera's axis, has this distance.
+    # From this distance the ball around all points just fills the angle of view.
     away = _ROOM * float(np.linalg.norm(points - middle, axis=1).max()) / sin(_VIEW / 2)
     toward = np.array([np.cos(_PITCH) * np.cos(_YAW), np.cos(_PITCH) * np.sin(_YAW), -np.sin(_PITCH)])
     x, y, z = (middle - away * toward).tolist()

@@ -250,7 +250,7 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
             at for model, at in poses.items() if model not in (spawned.name, GROUND) and spawned.covers(at, radius)
         ]
         with suppress(ParameterError):  # no spot is left
-            for seed in range(_TRIES):  # seeded by its name: the same robot on the same map gets the same spot
+            for seed in range(_TRIES):  # with its name: the same model on the same map gets the same spot
                 (spot,) = find_spots(spawned.field, body, 1, generator(seed, 0, name))
                 start = _in_world(Pose.above(spot), robot, spawned)
                 if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):

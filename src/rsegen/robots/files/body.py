@@ -90,7 +90,7 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
             yield sampled_ball(radius, distance), pose_matrix((0, 0, end))
     elif kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
-        # Cubes are in the frame of the file, before its largest scale.
+        # In units of the file, whose points are scaled afterwards.
         side = distance / _CUBES / max(float(np.abs(scale).max()), _THIN)
         points, corners = simplified(collision_mesh(path), side)
         yield sampled_mesh(points * scale, corners, distance), np.eye(4)

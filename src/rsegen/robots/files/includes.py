@@ -169,7 +169,7 @@ def _own_frame(model: Element, joints: list[Element], pose: Element | None) -> l
             axis.remove(flag)
         put(axis, "xyz", axis.findtext("xyz") or "0 0 1")
         axis.findall("xyz")[0].set("expressed_in", "__model__")
-    # In the outer model __model__ would be that one, so axes and ends of joints name the frame instead.
+    # After merging, __model__ would mean the outer model, so axes and ends of joints name the frame instead.
     directions = [xyz for axis in axes for xyz in axis.findall("xyz") if xyz.get("expressed_in") == "__model__"]
     ends = [end for joint in joints for end in joint if (end.text or "").strip() == "__model__"]
     for xyz in directions:

@@ -111,7 +111,7 @@ def simplified(mesh: Triangles, side: float) -> Triangles:
     points, corners = mesh
     if len(corners) <= MANY_FACES or not side > 0:
         return mesh
-    # The number of the cube of each point, by three digits of the bases `cubes`, and its distance from the middle.
+    # The index of each point's cube in an array of the shape `cubes`, and the point's squared distance from the middle.
     low, high = bounds(points)
     cubes = np.floor((high - low) / side) + 1
     count = float(np.prod(cubes))

@@ -207,7 +207,7 @@ def _uri_and_pose(model: Any, mesh: int, source: Any, folder: Path) -> tuple[str
     MuJoCo subtracts `refpos`, turns by the inverse of `refquat`, scales, and moves the result to its centre and axes. A
     mesh without a file that others read, or turned and scaled unequally, stands in the model.
     """
-    # `turn` is the inverse of refquat. Turned after an unequal scale a mesh is no file with a <scale> any more.
+    # `turn` is the inverse of refquat. SDF scales first and then turns, which gives another mesh if scales are unequal.
     start = int(model.mesh_pathadr[mesh])
     file = folder / model.paths[start:].split(b"\0", 1)[0].decode("utf-8", "replace") if start >= 0 else folder
     turn, scale = turn_of(source.refquat).T, np.array(source.scale)

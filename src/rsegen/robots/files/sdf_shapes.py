@@ -154,7 +154,7 @@ class ModelFrames:
         axis = Element("axis") if axis is None else axis
         direction, scope = axis.find("xyz"), joint.rpartition("::")[0]
         xyz = [0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where)
-        # By default an axis is in the frame of its joint; before SDF 1.7 a flag had the model's instead.
+        # By default an axis is in the frame of its joint; a flag of SDF 1.5 and 1.6 puts it into the model's.
         frame = "" if direction is None else direction.get("expressed_in", "")
         if is_true(axis.findtext("use_parent_model_frame")):
             frame = "__model__"
