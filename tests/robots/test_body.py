@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError, UserError
-from rsegen.robots.base import ROBOTS
+from rsegen.robots.base import ROBOTS, link_poses
 from rsegen.robots.files.sdf_file import from_file
 from rsegen.standing.body import Body
 
@@ -69,6 +71,23 @@ def _flippers(body: Body) -> np.ndarray:
     """Heights of the samples of the flippers."""
     own = [index for index, part in enumerate(body.parts) if "flipper" in part.name]
     return np.asarray(body.points[np.isin(body.part, own), 2])
+
+
+def test_a_raised_shoulder_takes_the_arm_along() -> None:
+    folded, raised = ROBOTS["crawler"], ROBOTS["crawler"].holding({"shoulder_joint": pi / 2})
+    # The hand is 6 cm behind the shoulder and 4.5 cm above it; a quarter turn up brings it 4.5 cm behind, 6 cm below.
+    np.testing.assert_allclose(link_poses(folded)["hand"][:3, 3], (-0.12, 0, 0.295))
+    np.testing.assert_allclose(link_poses(raised)["hand"][:3, 3], (-0.06 - 0.045, 0, 0.25 - 0.06))
+    moved = {name for name, pose in link_poses(raised).items() if not np.allclose(pose, link_poses(folded)[name])}
+    assert moved == {"shoulder", "elbow", "wrist", "hand"}
+    assert raised.body.centre[2] > folded.body.centre[2]
+
+
+def test_a_servo_turns_its_link_about_the_anchor_of_its_joint() -> None:
+    crawler = ROBOTS["crawler"]
+    joints = tuple(replace(joint, anchor=(0.3, 0, 0)) if joint.name in FLIPPERS else joint for joint in crawler.joints)
+    poses = link_poses(replace(crawler, joints=joints).holding(dict.fromkeys(FLIPPERS, pi)))
+    np.testing.assert_allclose(poses["left_flipper"][0, 3], 0.27 + 2 * 0.3)
 
 
 def test_every_shape_of_sdf_is_sampled_from_below(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.crossing import SIDE
 from rsegen.field.stepfield import Array
 from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
-from rsegen.geometry.poses import turn_about
+from rsegen.geometry.poses import pose_matrix, turn_about
 from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter, parameters
@@ -95,7 +95,7 @@ class Robot(RobotOnField):
         plugins = [self.drive.plugins(_checked_simulator(simulator)), servo_plugins(self.servos, simulator)]
         if simulator != "classic":  # which publishes poses by itself
             frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-            topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
+            topic = element("odom_topic", f"/model/{name}/ground_truth")  # the drive publishes /model/NAME/odometry
             odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
             plugins += [odometry, pose_publisher(simulator)]
         return with_capsules(self.assembled(name, sensors, plugins, at), simulator)
@@ -128,9 +128,10 @@ class Robot(RobotOnField):
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
         """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
-        for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
-            if not abs(value) <= most:
-                raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
+        for parameter, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
+            if not abs(value) <= most:  # nor is NaN a speed
+                limits = f"-{numbers([most])}..{numbers([most])} {unit}"
+                raise ParameterError(parameter, f"{shown(value)} is outside {limits}")
         return self.drive.command(name, v, w, _checked_simulator(simulator))
 
     def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> PublishCommand:
@@ -147,12 +148,9 @@ def _body_of(robot: Robot) -> Body:
 
     Wheels are what hangs on the joints of its drive, tracks the links that it names.
     """
-    distance, joints = sample_distance(robot.size[0]), {joint.name: joint for joint in robot.joints}
-    poses = {link.name: posed(link.pose) for link in robot.links}
-    for servo in robot.servos:  # which holds what hangs on its joint at an angle
-        joint = joints[servo.joint]
-        poses[joint.child][:3, :3] @= turn_about(joint.axis or (0, 0, 1), servo.rest)
-    driven = robot.drive.links(lambda name: joints[name].child)
+    distance, poses = sample_distance(robot.size[0]), link_poses(robot)
+    children = {joint.name: joint.child for joint in robot.joints}
+    driven = robot.drive.links(children.__getitem__)
     links = [(link, poses[link.name]) for link in robot.links]
     centres = [pose[:3, :3] @ np.array(link.centre[:3]) + pose[:3, 3] for link, pose in links]
     return body_of_shapes(
@@ -163,6 +161,30 @@ def _body_of(robot: Robot) -> Body:
         distance=distance,
         where=robot.kind,
     )
+
+
+def link_poses(robot: Robot) -> dict[str, Array]:
+    """Return the pose of each link in the robot's frame, (4, 4), by its name, with the servos at rest."""
+    poses = {link.name: posed(link.pose) for link in robot.links}
+    joints = {joint.name: joint for joint in robot.joints}
+    for servo in robot.servos:
+        joint = joints[servo.joint]
+        # The child turns about its hinge, and takes along all links that hang on it, as an arm does.
+        turn, before = turn_about(joint.axis or (0, 0, 1), servo.rest), poses[joint.child]
+        origin = before[:3, 3] + before[:3, :3] @ (joint.anchor - turn @ joint.anchor)
+        after = pose_matrix(origin, before[:3, :3] @ turn)
+        for name in _carried_by(joint.child, robot.joints):
+            poses[name] = after @ np.linalg.inv(before) @ poses[name]
+        poses[joint.child] = after
+    return poses
+
+
+def _carried_by(link: str, joints: Iterable[Joint]) -> list[str]:
+    """Return the links that hang on a link, on joints of any number between."""
+    carried = [link]
+    for name in carried:  # which grows meanwhile
+        carried += [joint.child for joint in joints if joint.parent == name and joint.child not in carried]
+    return carried[1:]
 
 
 def _shapes(links: Iterable[tuple[Link, Array]], driven: set[str], distance: float) -> Iterator[Shape]:

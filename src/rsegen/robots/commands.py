@@ -102,7 +102,7 @@ def add_spots(command: Parser) -> None:
 
 
 def run_spots(arguments: argparse.Namespace) -> Report:
-    """Find and draw them."""
+    """Find spots, and draw them if a picture is asked for."""
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
     from rsegen.standing.body import body_of_size

@@ -87,10 +87,8 @@ POSE_RATE = 20
 
 
 def pose_publisher(simulator: str) -> str:
-    """Return the system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
-
-    It publishes a model's pose only if that of nested models is wanted too.
-    """
+    """Return the system of Gazebo Sim that publishes the pose of a model; drives are recorded from it."""
+    # It publishes a model's pose only if the poses of nested models are asked for too.
     models = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
     publishing = models + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
     return system("PosePublisher", simulator, publishing)
@@ -203,7 +201,7 @@ class Wheels(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command as a Pose: v as x, w as the yaw of an orientation, so |w| < pi."""
-        half = w * self.slip / self.spread / 2
+        half = w * self.slip / self.spread / 2  # a quaternion has the half of its angle
         turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
         text = f"position {{ x: {numbers([v])} y: 0 z: 0 }} orientation {{ {turned} }}"
         return publish_command(f"~/{name}/vel_cmd", "Pose", text, "classic")
@@ -264,6 +262,7 @@ class Tracks(Drive):
         their friction; without a turn it is nowhere.
         at: the pose of the robot, (4, 4), metres
         """
+        # The centre of the turn is v / w to the left, along y of the robot, which may be tilted.
         place, to_left = at[:3, 3].tolist(), at[:3, 1].tolist()
         centre = [where + v / w * along if w else inf for where, along in zip(place, to_left, strict=True)]
         text = "x: {:.12g} y: {:.12g} z: {:.12g}".format(*centre)

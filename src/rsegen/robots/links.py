@@ -64,7 +64,8 @@ Solid: TypeAlias = Box | Cylinder | Sphere
 
 
 def kind_and_sizes(solid: Solid) -> tuple[str, dict[str, str]]:
-    """Return the name of a solid, and its sizes as text by their names, in SDF and URDF: those of its class here."""
+    """Return the tag of a solid in SDF and URDF, and the text of each of its sizes by its name."""
+    # The classes and their fields are named as the elements of SDF and URDF are.
     sizes = {size.name: numbers(np.ravel(getattr(solid, size.name))) for size in fields(solid)}
     return type(solid).__name__.lower(), sizes
 
@@ -126,16 +127,16 @@ class Part:
         """The <collision> and <visual>."""
         kind, sizes = kind_and_sizes(self.solid)
         geometry = element("geometry", element(kind, "".join(element(*size) for size in sizes.items())))
-        what = f"<pose>{numbers(self.pose)}</pose>{geometry}"
-        visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
+        shape = f"<pose>{numbers(self.pose)}</pose>{geometry}"
+        visual = f'        <visual name="{self.name}_seen">{shape}{material(self.colour)}</visual>\n'
         if self.surface is None:
             return visual
-        return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + visual
+        return f'        <collision name="{self.name}">{shape}{self.surface.sdf}</collision>\n' + visual
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Link:
-    """A rigid body at its place in the model; its mass, kg, is that of the even `solid` at `centre`.
+    """A rigid body at its place in the model; its mass, kg, is spread evenly over `solid`, whose pose is `centre`.
 
     geared: what a geared motor adds to its moment of inertia about z, kg m^2: the rotor's times the ratio squared
     """
@@ -150,7 +151,8 @@ class Link:
 
     @property
     def moments(self) -> Vector:
-        """Moments of inertia about x, y and z at its centre of mass; with half of `geared` across, as a body must."""
+        """Moments of inertia about x, y and z at its centre of mass, kg m^2, with those of its geared motor."""
+        # Half of what the motor adds about z is added across: no body has izz > ixx + iyy, and engines refuse it.
         ixx, iyy, izz = self.solid.moments(self.mass)
         return ixx + self.geared / 2, iyy + self.geared / 2, izz + self.geared
 
@@ -269,6 +271,7 @@ class Lidar:
         publishing: elements with its topic and frame
         """
         kind, tag = ("ray", "ray") if simulator == "classic" else ("gpu_lidar", "lidar")
+        # A full circle, whose last ray is not the first one again.
         circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
         scan = element("scan", element("horizontal", element("samples", self.rays) + circle))
         limits = element("range", element("min", self.nearest) + element("max", self.farthest))

@@ -1,9 +1,9 @@
-"""A robot on a map, as pages show it: its shape, how it stands somewhere, where it tilts, where it gets, and how.
+"""A robot on a map, as pages show it: its shapes, its pose at a place, its tilts, its reach and its ways.
 
     document, index --> StepField --> PaddedGround of a robot's Body --> poses, reach, ways (rsegen.standing)
 
-A page asks with every move of the mouse, so lattices are kept with their document, as the maps that are drawn are. What
-takes seconds is done once at a time for a document, and of several that wait only the newest is answered.
+A page asks with every move of the mouse, so lattices are kept with their document, as drawn maps are. A request that
+takes seconds runs alone for its document, and of several that wait only the newest is answered.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rsegen.page.host import Host, Opened, Search
 from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots.base import Robot
+from rsegen.robots.base import Robot, link_poses
 from rsegen.robots.files.sdf_file import SdfRobot
 from rsegen.robots.files.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.links import DARK, GREY, Box, Cylinder, Sphere, posed
@@ -54,13 +54,13 @@ _FAR = 1000.0
 
 
 def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
-    """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
+    """Return a document, its recipe (the last valid one while a draft is invalid), and the field of a map."""
     opened = host.opened(doc)
     return opened, opened.session.recipe, scene_of_document(host, doc, index).field
 
 
 def scene_of_document(host: Host, doc: str, index: int) -> Scene:
-    """Return the scene of a map of a document, of a draft that is invalid of the last valid one."""
+    """Return the scene of a map of a document; while a draft is invalid, the last valid recipe makes it."""
     opened = host.opened(doc)
     return scene_of_map(opened, opened.session.recipe, opened.index_of("", index))
 
@@ -98,10 +98,7 @@ class RobotShapes(TypedDict):
 
 @call_of_host
 def robot(host: Host, *, robot: str) -> RobotShapes:
-    """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
-
-    lift: of the origin of its model in a simulator, above that of what is drawn
-    """
+    """Return a robot as it is drawn: the parts of its links; for a robot of a file, its visuals."""
     known = robot_of_page(host, robot)
     if isinstance(known, SdfRobot):
         title, lift, parts = known.kind, known.lift, iter(_parts_of_file(known))
@@ -112,6 +109,7 @@ def robot(host: Host, *, robot: str) -> RobotShapes:
 
 
 def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[DrawnPart]:
+    poses = link_poses(robot)  # flippers as they are held, as in all poses that a page shows
     for link in robot.links:
         for part in link.parts:
             shape: _Shape
@@ -122,12 +120,12 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[DrawnPart]:
                     shape, lengths = "cylinder", [radius, length]
                 case Sphere(radius=radius):
                     shape, lengths = "sphere", [radius]
-            pose = posed(link.pose) @ posed(part.pose)
+            pose = poses[link.name] @ posed(part.pose)
             yield _part(shape, lengths, pose, part.colour, wheel=link.name in driven)
 
 
 def _part(shape: _Shape, size: list[float], pose: Array, colour: Colour | None, *, wheel: bool) -> DrawnPart:
-    """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
+    """Return a part as it is drawn; without a colour of its own, what drives is dark, and all else grey."""
     drawn = hex_colour(colour or (DARK if wheel else GREY))
     return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": drawn, "wheel": wheel}
 
@@ -135,7 +133,7 @@ def _part(shape: _Shape, size: list[float], pose: Array, colour: Colour | None, 
 def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
     """Return the visuals of a robot of a file: boxes, cylinders and spheres as they are, others as boxes around them.
 
-    Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
+    A link that has no visuals, or one that cannot be read, has the boxes around its collision shapes.
     """
     frames, body = robot.frames(), robot.body_or_box
     driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
@@ -148,7 +146,7 @@ def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
         except UserError:  # such as a mesh that is not here
             visuals = []
         for shape, size, pose, colour in visuals:
-            pose[2, 3] += robot.lift
+            pose[2, 3] += robot.lift  # a body has its origin on the ground, the model `lift` above it
             parts.append(_part(shape, size, pose, colour, wheel=link in driven))
         parts += () if visuals else _boxes(body, link)
     return parts or list(_boxes(body))
@@ -166,6 +164,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
     solid = swept_box(geometry, frames.where) if geometry is not None and len(geometry) else None
     if geometry is None or solid is None:
         raise FileError(f"{frames.where}: a visual of {link} is of an unknown size")
+    # The box around the solid; a cylinder and a sphere are drawn as such, by half of its length and its height.
     pose, half = frames.shape(link, visual), np.add(solid.half, solid.radii)
     pose[:3, 3] += pose[:3, :3] @ solid.centre
     x, y, z = (2 * half).tolist()
@@ -175,7 +174,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
 
 
 def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
-    """Yield the boxes around the parts of a body, all of them or those of a link."""
+    """Yield the boxes around the parts of a body, or only around the parts of one link."""
     for part, surface in zip(body.parts, body.by_part(body.surface), strict=True):
         if link not in (None, part.name.rpartition("::")[0]) or not len(surface):
             continue
@@ -183,10 +182,10 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
         yield _part("box", np.ptp(surface, axis=0).tolist(), pose, None, wheel=part.drives)
 
 
-def _refuse_unplaced(**numbers: float) -> None:
-    for name, number in numbers.items():
-        if not abs(number) <= _FAR:  # nor if it is not a number
-            raise ParameterError(name, f"{number} is no place near the map")
+def _refuse_unplaced(**coordinates: float) -> None:
+    for name, value in coordinates.items():
+        if not abs(value) <= _FAR:  # nor if it is not a number
+            raise ParameterError(name, f"{value} is no place near the map")
 
 
 class DrawnPose(TypedDict):
@@ -223,9 +222,10 @@ def pose(  # noqa: PLR0913  # each is named by the page
     *_, field = _map(host, doc, index)
     body = robot_of_page(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
+    # All stable poses are only counted; the robot is drawn in the one that it takes if it is put down level.
     at_x, at_y, yaw = (np.array([value]) for value in (x, y, heading))
-    found = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
-    rest = of_settled(ground, body, found.level)
+    stable = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
+    rest = of_settled(ground, body, stable.level)
     stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
     if stands:
@@ -235,6 +235,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         along, across, up = body.points.T
         below = ground.below(x + c * along - s * across, y + s * along + c * across)
         at = dict(zip(names, (x, y, float((below - up).max()), 0.0, 0.0, heading, 0.0), strict=True))
+    # Unused corners of the support polygon are NaN.
     turn = rotation(at["roll"], at["pitch"], at["yaw"])
     corners = rest.support[0][np.isfinite(rest.support[0]).all(axis=1)] if stands else np.empty((0, 3))
     # The corners of the hull of the contacts as they are seen from above, counterclockwise.
@@ -255,7 +256,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": rest.contacts[0].tolist() if stands else [],
-        "stable": int(found.counts[0]),
+        "stable": int(stable.counts[0]),
         "polygon": [corner.tolist() for corner in polygon],
     }
 
@@ -286,6 +287,7 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> Pos
     with host.opened(doc).newest_turn("tilt") as watch:
         *_, field = _map(host, doc, index)
         (along_x, along_y), body = field.extent, robot_of_page(host, robot).body
+        # A third of a block, or coarser on a map that would have more than _MOST points.
         step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
@@ -295,12 +297,12 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> Pos
         reason = np.full(len(every_x), len(REASONS) - 1)
         for first in range(0, len(every_x), _AT_ONCE):
             watch(first / len(every_x))
-            some = slice(first, first + _AT_ONCE)
-            rest = settle(ground, body, every_x[some], every_y[some], np.full(len(every_x[some]), heading))
+            part = slice(first, first + _AT_ONCE)
+            rest = settle(ground, body, every_x[part], every_y[part], np.full(len(every_x[part]), heading))
             # A robot that tips over, as a small one does in most places, has nothing else to be measured.
             (standing,) = np.nonzero(has_stood(rest))
-            rests, at = of_settled(ground, body, rest.some(standing)), first + standing
-            tilt[at], margin[at], reason[at] = rests.tilt, rests.tip_angle, rests.reason
+            poses, at = of_settled(ground, body, rest.some(standing)), first + standing
+            tilt[at], margin[at], reason[at] = poses.tilt, poses.tip_angle, poses.reason
     return {
         "shape": (counts[0], counts[1]),
         "low": (float(x[0]), float(y[0])),
@@ -345,7 +347,7 @@ _ENDS: tuple[Literal["S", "G"], ...] = ("S", "G")
 
 @call_of_host
 def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
-    """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
+    """Return the area that a robot reaches on a map, its ways across, and a start and a goal for it."""
     with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
         body = robot_of_page(host, robot).body
@@ -368,7 +370,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
 
 
 def _ways(field: StepField, body: Body, crossings: Mapping[str, LatticeWay]) -> Iterator[Across]:
-    """Yield the ways across on the blocks; if there is none, the one that `drive --route way` tries."""
+    """Yield the ways across on the blocks; if no way crosses, the way that `drive --route way` tries."""
     ways = {name: way.points for name, way in crossings.items() if way.crosses}
     for name, points in (ways or {"tried": followed(field, body, crossings["west to east"]).points}).items():
         yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
@@ -447,7 +449,7 @@ def way(  # noqa: PLR0913  # each is named by the page
 
 
 class MetricRows(TypedDict):
-    """Metrics of a map, also those of a robot."""
+    """Metrics of a map, and of a robot on it."""
 
     rows: list[tuple[str, str, str, str]]  # name, value, meaning, key
 

@@ -158,7 +158,7 @@ def _drive_in_words(robot: Robot) -> str:
 
 
 def _picture(kind: str) -> str:
-    """Return where rsegen's source has a picture of a robot; empty for that of a plug-in."""
+    """Return where rsegen's source has a picture of a robot; empty for a robot of a plug-in."""
     from rsegen.robots.base import ROBOTS
 
     return "" if ROBOTS.source(kind) else f"docs/pictures/small-{kind}.webp"
@@ -176,6 +176,7 @@ def _rows(figures: Sequence[Figure], width: int) -> Iterator[str]:
     names, values, origins = (
         max(map(len, column)) for column in zip(*((f.name, f.text, f.origin) for f in figures), strict=True)
     )
+    # The values get what the origins leave, at least a half; their column then is as wide as their longest line.
     room = width - names - 4  # two blanks between columns
     broken = [_broken(figure.text, max(room - min(origins, room // 2), _LEAST)) for figure in figures]
     values = max(len(line) for lines in broken for line in lines)
@@ -186,13 +187,14 @@ def _rows(figures: Sequence[Figure], width: int) -> Iterator[str]:
 
 
 def _broken(text: str, width: int) -> list[str]:
-    """Return a text in lines of a width, broken at blanks and behind the + between joints, else within a name."""
+    """Return a text in lines of a width, broken at blanks, after the + between joints, or else within a name."""
     lines = [""]
     for word in re.findall(r"\s*[^\s+]*\+?", text):
         if len(lines[-1]) + len(word) > width:
             lines.append("")
-        rest = word if lines[-1] else word.lstrip()
-        lines[-1:] = [lines[-1] + rest[:width], *(rest[at : at + width] for at in range(width, len(rest), width))]
+        piece = word if lines[-1] else word.lstrip()
+        # A name that is longer than a line is cut into lines of its own.
+        lines[-1:] = [lines[-1] + piece[:width], *(piece[at : at + width] for at in range(width, len(piece), width))]
     return [line for line in lines if line] or [""]
 
 
@@ -292,6 +294,7 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     from rsegen.standing.stance import stance
 
     body = robot.body
+    # All lengths count from the middle between the foremost and the rearmost point of what drives.
     on_level, driven = stance(body), np.array([part.drives for part in body.parts])
     lengths = [surface[:, 0] for surface in body.by_part(body.surface)]  # of each part, along x
     middle = _middle(np.concatenate([x for x, drives in zip(lengths, driven, strict=True) if drives]))
@@ -307,6 +310,7 @@ def _of_stance(robot: DrivableRobot) -> Iterator[Figure]:
     slides = f"; friction {' to '.join(f'{value:g}' for value in (*mu[:1], *mu[1:][-1:]))}" if mu else ""
     origin = f"what nothing drives, and touches level ground{slides}"
     yield Figure(name="supports", text=some_of(names) or "none", origin=origin)
+    # What neither drives nor bears the robot hangs: the lowest of it is the first to be held by a block.
     hanging = np.where(driven | on_level.bearing, np.inf, on_level.heights)
     lowest = int(hanging.argmin())
     if np.isfinite(hanging[lowest]):

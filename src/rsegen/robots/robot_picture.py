@@ -78,6 +78,7 @@ def picture_and_gaps(robot: DrivableRobot, format: str) -> tuple[bytes, list[str
     points = [shape.points[shape.corners].reshape(-1, 3) for half in halves.values() for shape in half.shapes]
     if not any(map(len, points)):
         raise ParameterError(robot.kind, "has no shapes that can be drawn")
+    # One camera sees the shapes of both halves and the ruler, and rows that are empty in both are cut off.
     every = np.concatenate(points)
     low, high = every.min(axis=0), every.max(axis=0)
     step = _step(float(high[0] - low[0]))
@@ -142,6 +143,7 @@ def _ruler(low: Array, high: Array, step: float) -> Triangles:
 def _camera(points: Array) -> Camera:
     """Return a camera that sees all points, (n, 3)."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    # From this distance the ball around all points just fills the angle of view.
     away = _ROOM * float(np.linalg.norm(points - middle, axis=1).max()) / sin(_VIEW / 2)
     toward = np.array([np.cos(_PITCH) * np.cos(_YAW), np.cos(_PITCH) * np.sin(_YAW), -np.sin(_PITCH)])
     x, y, z = (middle - away * toward).tolist()
@@ -149,7 +151,7 @@ def _camera(points: Array) -> Camera:
 
 
 def _rows(camera: Camera, parts: list[Array]) -> slice:
-    """Return the rows of the picture in which something is."""
+    """Return the rows of the picture that are not empty."""
     rows = camera.projected(np.concatenate(parts))[:, 1]
     low, end = (int(np.clip(row, 0, _SIDE)) for row in (rows.min() - _MARGIN, rows.max() + _MARGIN))
     return slice(low, end)

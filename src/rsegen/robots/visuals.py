@@ -1,6 +1,6 @@
 """The shapes of a robot as coloured triangles, link by link: for pictures and for windows of MuJoCo.
 
-They come from its SDF <model>, so those of rsegen's robots and of files come the same way. Round shapes have 16 sides.
+They are read from its SDF <model>, for rsegen's robots and robots of files alike. Round shapes have 16 sides.
 In a picture of a drive, a link that has no visuals, or one that cannot be read, has its collision shapes.
 """
 
@@ -62,7 +62,7 @@ def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
     for link, element in frames.links():
         default = DARK if link in driven else GREY
         shapes[link] = []
-        for tag in ("visual", "collision"):
+        for tag in ("visual", "collision"):  # the second if nothing of the first can be drawn
             with suppress(UserError, ImportError):  # such as a mesh that is not here
                 every = [
                     _shape(frames, link, shape, geometry, default, known)
@@ -117,7 +117,7 @@ def placed_shapes(
 
 
 def _frames_and_driven(robot: DrivableRobot) -> tuple[ModelFrames, set[str]]:
-    """Return the model of a robot without its plug-ins, and the links that drive it; none without a drive."""
+    """Return the model of a robot without its plug-ins, and the links on which it drives, none if it has no drive."""
     frames = ModelFrames(fromstring(robot.without_plugins("robot")), robot.kind)  # noqa: S314  # ours, or found plain
     if isinstance(robot, SdfRobot) and not robot.read_drive:
         return frames, set()
@@ -155,6 +155,7 @@ def _triangles(kind: Element, where: str) -> tuple[Array, Ints]:
     if kind.tag in ROUND:
         radius, length = radius_and_length(kind, where)
         half = length / 2
+        # The outline goes from the lower pole to the upper one; a capsule is a sphere whose halves are moved apart.
         if kind.tag in ("sphere", "capsule"):
             outline = _ROUND * radius + np.column_stack([np.zeros(len(_ROUND)), np.sign(_ROUND[:, 1]) * half])
         elif kind.tag == "cylinder":
@@ -184,6 +185,7 @@ def _turned(outline: Array) -> Array:
 
 def _turned_corners(rings: int) -> Ints:
     """Return the triangles between the rings of such a solid, counterclockwise seen from outside."""
+    # Point `side` of a ring has the number ring * _SIDES + side; between four of them are two triangles.
     ring, side = (grid.ravel() for grid in np.meshgrid(np.arange(rings - 1), np.arange(_SIDES), indexing="ij"))
     low, low_next = ring * _SIDES + side, ring * _SIDES + (side + 1) % _SIDES
     high, high_next = low + _SIDES, low_next + _SIDES

@@ -26,7 +26,7 @@ _PER_CELL = 5
 def layer_files(scene: Scene, margin: int) -> Mapping[str, list[bytes]]:
     """Return the files of a map with `margin` cells of ground around it; heights in metres above the ground."""
     field = scene.field
-    levels = np.where(field.frame, -1, field.levels)
+    levels = np.where(field.frame, -1, field.levels)  # 0 is the ground here, and the frame in `friction_of`
     friction = np.full(field.shape, scene.friction, dtype=np.float32)  # of the ground, level 0
     for level in np.unique(levels[levels != 0]).tolist():
         friction[levels == level] = scene.friction_of(max(level, 0))

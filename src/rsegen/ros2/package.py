@@ -1,4 +1,4 @@
-"""The files of a ROS 2 package that do not depend on its maps: manifest, build file, launch files, configurations.
+"""The files that all ROS 2 packages of maps share: manifest, build file, launch files, configurations.
 
     name of the package, files of robots --common_files--> the text of each file
 
@@ -211,7 +211,7 @@ PYTHON = (
 
 
 def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
-    """Return the text of each file of a package of this name by its path, except those of its maps.
+    """Return the text of each file of a package of this name by its path, except the files of its maps.
 
     robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
     """

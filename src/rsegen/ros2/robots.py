@@ -1,10 +1,10 @@
-"""The files of a robot in a ROS 2 package: its description, its model for Gazebo Sim, its bridge and Nav2's parameters.
+"""The files of a robot in a ROS 2 package: description, model for Gazebo Sim, bridge, and Nav2's parameters.
 
     KIND.urdf    links and joints, for robot_state_publisher and RViz       bridge.yaml   its topics, for ros_gz_bridge
     model.sdf    the same robot for Gazebo Sim, with sensors and plug-ins   nav2.yaml     its footprint and speeds
 
 Frames, after REP 105: `odom` - `base_link` is the true pose, in 3D, of Gazebo's OdometryPublisher, whose odometry is in
-the frame of the world; what wheels or tracks measure is its own odometry, in the frame `wheel_odom`, and no
+the frame of the world. Wheels or tracks measure an odometry of their own, in the frame `wheel_odom`, which is no
 transform: on blocks they slip, and they know no height.
 
 The SDF has the names of plug-ins that Fortress knows too since 6.16. In URDF a link stands where its joint puts it,
@@ -92,6 +92,7 @@ def _published(frame: str, topic: str) -> str:
 def _nav2(robot: Robot) -> str:
     outline = Outline.of(robot.body)
     corners = [(x, y) for x in (outline.low_x, outline.high_x) for y in (outline.low_y, outline.high_y)]
+    # Its corners in order around it, as Nav2 wants a polygon.
     footprint = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in (corners[0], corners[2], corners[3], corners[1]))
     farthest = max(hypot(*corner) for corner in corners)
     speed, turn = robot.driving_speed, min(robot.turn, _MOST_TURN)

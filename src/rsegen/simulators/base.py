@@ -115,7 +115,7 @@ class Simulator(ABC):
 
     @abstractmethod
     def installation(self) -> Installation | None:
-        """Return the installation on this machine; None if there is none, or another program of that name."""
+        """Return the installation on this machine; None without one, or if its command is another program's."""
 
     @abstractmethod
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
@@ -142,7 +142,7 @@ class Simulator(ABC):
         """Connect to the world of the server at this address; NothingRuns if none gives a sign of being there."""
 
     def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
-        """Return the command of a window on the world of a running server; None if there is none that can be added."""
+        """Return the command of a window on the world of a running server; None if it cannot have one."""
         return None
 
     def with_contact_sensors(self, model: str) -> str:
@@ -205,6 +205,6 @@ register = SIMULATORS.register
 
 
 def installations(first: str = "") -> Iterator[Installation]:
-    """Return the installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
+    """Return the installed simulators: first the one of this name, then the newest; each is looked for in its turn."""
     ordered = sorted(SIMULATORS.values(), key=lambda simulator: simulator.name != first)
-    return (here for simulator in ordered if (here := simulator.installation()))
+    return (installation for simulator in ordered if (installation := simulator.installation()))

@@ -78,14 +78,14 @@ register = BATCH.register
 
 
 def simulators_of_many_maps() -> tuple[str, ...]:
-    """Return the names of those that drive over many maps: the simulator in the box, if there is one, and batches."""
+    """Return the names of the simulators that drive over many maps: the one in the box, then those of batches."""
     return *[*EMBEDDED][:1], *BATCH
 
 
 def batch_simulator(name: str | None) -> BatchSimulator | None:
     """Return the batch simulator of a name; None for the simulator in the box, which is the default.
 
-    UnknownName, which lists both, if there is none of that name.
+    UnknownName, which lists both, for any other name.
     """
     known = simulators_of_many_maps()
     if name is not None and name not in known:

@@ -125,7 +125,7 @@ class TransportClient(Inbox):
             thread.join(DISCONNECT_TIMEOUT)
 
     def full_name(self, topic: str) -> str:
-        """Return the name with that of the world; a full name as it is."""
+        """Return the full name of a topic of the world; a full name as it is."""
         return topic if topic.startswith("/") else f"/gazebo/{self.world}/{topic.removeprefix('~/')}"
 
     def _subscribe(self, full: str, *, wait: bool = False) -> None:
@@ -136,9 +136,9 @@ class TransportClient(Inbox):
 
     def _unsubscribe(self, topics: Set[str]) -> None:
         """Unsubscribe: a publisher knows a subscriber by its port, and disconnects."""
-        for other, topic in list(self._publishers.items()):
+        for publisher, topic in list(self._publishers.items()):
             if topic in topics:
-                self._announce(self._master, "unsubscribe", topic, address=other.getsockname())
+                self._announce(self._master, "unsubscribe", topic, address=publisher.getsockname())
         self.wait(
             "a publisher does not disconnect",
             lambda: not topics & set(self._publishers.values()),
@@ -148,7 +148,7 @@ class TransportClient(Inbox):
     def _announce(
         self, other: socket.socket, kind: str, topic: str, type_name: str = "", address: tuple[str, int] | None = None
     ) -> None:
-        """Send a packet about a topic of a type, by default that which is subscribed; address: by default ours."""
+        """Send a packet about a topic; its type is by default the one that is subscribed, the address ours."""
         host, port = address or self._own.getsockname()
         full_type = f"gazebo.msgs.{type_name or self._types[topic]}"
         message = {"topic": topic, "host": host, "port": port, "msg_type": full_type}
@@ -158,7 +158,8 @@ class TransportClient(Inbox):
         self._send(other, CLASSIC.encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": inside}))
 
     def _send(self, other: socket.socket, content: bytes) -> None:
-        """Send a message; a SimulatorFailed if the other is gone, or takes nothing for longer than one has patience."""
+        """Send a message; a SimulatorFailed if the other is gone, or takes nothing until patience is over."""
+        # As many bytes at once as it takes: each of them is progress, so the wait begins anew.
         left, wait = memoryview(b"%08X" % len(content) + content), self.patience.begin()
         try:
             while left:
@@ -172,6 +173,7 @@ class TransportClient(Inbox):
             raise SimulatorFailed(f"Gazebo Classic: the server is gone ({library_message(error)})") from None
 
     def _read_master(self) -> None:
+        """Note the world's name, which the master sends first, and connect to each publisher that it reports."""
         for content in _received(self._master):
             with suppress(NoMessage):  # what others send may be anything
                 packet = CLASSIC.decode("Packet", content)
@@ -190,18 +192,19 @@ class TransportClient(Inbox):
             self.fail("the server has ended")
 
     def _read_publisher(self, topic: str, host: str, port: int) -> None:
+        """Subscribe at a publisher, and keep its messages until either side disconnects."""
         try:
-            other = self._registered(socket.create_connection((host, port), self.patience.seconds))
+            publisher = self._registered(socket.create_connection((host, port), self.patience.seconds))
         except (OSError, OverflowError, UnicodeError):  # it is gone already, or this is no address
             return
-        self.update(lambda: self._publishers.update({other: topic}))
+        self.update(lambda: self._publishers.update({publisher: topic}))
         with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
-            self._announce(other, "sub", topic)
-        for content in _received(other):
+            self._announce(publisher, "sub", topic)
+        for content in _received(publisher):
             self.add(topic, partial(CLASSIC.decode, self._types[topic], content))
             self._last = time.monotonic()
-        self.update(lambda: self._publishers.pop(other))
-        self._end(other)
+        self.update(lambda: self._publishers.pop(publisher))
+        self._end(publisher)
 
     def _accept_subscribers(self) -> None:
         """Accept subscribers of our topics, until this client is closed."""
@@ -211,6 +214,7 @@ class TransportClient(Inbox):
                 self._start_thread(partial(self._read_subscriber, subscriber))
 
     def _read_subscriber(self, subscriber: socket.socket) -> None:
+        """Note the topics that a subscriber asks for, and forget them when it disconnects."""
         topics: list[str] = []
         for content in _received(self._registered(subscriber)):
             with suppress(NoMessage):
@@ -225,7 +229,7 @@ class TransportClient(Inbox):
     def _registered(self, other: socket.socket) -> socket.socket:
         """Note a connection, to be closed with this client, or at once if that is closed already; return it."""
         other.settimeout(None)
-        other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # small messages go at once
         self._sockets.add(other)
         if self._is_closed:
             self._end(other)
@@ -265,7 +269,7 @@ def _disconnect(other: socket.socket) -> None:
 
 
 def _received(other: socket.socket) -> Iterator[bytes]:
-    """Message after message, until either side disconnects, or the other sends what is no length, or one too large."""
+    """Yield the messages until either side disconnects, or the other sends no length, or one that is too large."""
     with suppress(OSError, ValueError), other.makefile("rb") as stream:
         while _HEAD.fullmatch(head := stream.read(_HEAD_SIZE)) and (size := int(head, 16)) <= _MOST:
             content = stream.read(size)

@@ -75,6 +75,7 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     from rsegen.simulators.open_world import open_embedded, open_until_end
     from rsegen.writing.target_worlds import world_of
 
+    # Without a name, a Gazebo is chosen, as worlds are its files.
     if embedded := embedded_simulator(simulator) if simulator else None:
         if shared:
             raise ParameterError("shared", f"is for Gazebo; {embedded.title} has no server")
@@ -119,9 +120,9 @@ def run_open(arguments: argparse.Namespace) -> Report:
         if arguments.print and arguments.simulator in EMBEDDED:
             raise ParameterError("--print", f"is for Gazebo; {EMBEDDED[arguments.simulator].title} is no command")
         if arguments.print:
-            here, shared = world_of(target, arguments.map), bool(arguments.shared)
+            world, shared = world_of(target, arguments.map), bool(arguments.shared)
             headless = bool(arguments.headless)
-            launch = launch_command(here, str(target), arguments.simulator, headless=headless, shared=shared)
+            launch = launch_command(world, str(target), arguments.simulator, headless=headless, shared=shared)
             return Report(lines=[launch.shell_line], content={"command": launch.shell_line})
 
     # The command runs as long as the world is open, so lines are printed as they come.

@@ -46,9 +46,9 @@ _PREFIXES = ("GZ_", "IGN_", "GAZEBO_")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Connection:
-    """A connection that is kept: its world, and what it was made with, by which process.
+    """A connection that is kept: its world, the variables and timeout it was made with, and the process that made it.
 
-    folder: that of the map that `rsegen open` began it with
+    folder: the folder of the map with which `rsegen open` began the simulation, None if something else began it
     """
 
     simulator: Simulator
@@ -94,7 +94,7 @@ class _Place(NamedTuple):
 def _announced(simulators: Sequence[Simulator]) -> Iterator[_Place]:
     """Yield the simulations that `rsegen open` runs, the newest first."""
     for path, runs in state_files(_ANNOUNCED):
-        if not runs:
+        if not runs:  # the process that wrote it was killed
             with suppress(OSError):
                 path.unlink()
             continue
@@ -102,17 +102,21 @@ def _announced(simulators: Sequence[Simulator]) -> Iterator[_Place]:
             content = json.loads(path.read_text("utf-8"))
             for simulator in simulators:
                 if simulator.name == content["simulator"]:
-                    given = content["address"]
-                    own = {name: str(given[name]) for name in simulator.address_variables if name in given}
-                    yield _Place(simulator, own, Path(content["folder"]))
+                    announced_address = content["address"]
+                    names = (name for name in simulator.address_variables if name in announced_address)
+                    address = {name: str(announced_address[name]) for name in names}
+                    yield _Place(simulator, address, Path(content["folder"]))
 
 
 def _places(simulators: Sequence[Simulator]) -> Iterator[_Place]:
-    """Yield where a simulation may run, in the order in which it is asked."""
-    named = [each for each in simulators if any(name in os.environ for name in each.address_variables)]
-    yield from map(_Place, named)
-    yield from _announced([each for each in simulators if each not in named])
-    yield from (_Place(each) for each in simulators if each not in named)
+    """Yield the places where a simulation may run, in the order in which they are asked."""
+    addressed = [
+        simulator for simulator in simulators if any(name in os.environ for name in simulator.address_variables)
+    ]
+    others = [simulator for simulator in simulators if simulator not in addressed]
+    yield from map(_Place, addressed)
+    yield from _announced(others)
+    yield from map(_Place, others)
 
 
 @contextmanager
@@ -123,28 +127,31 @@ def connected(name: str | None, timeout: float) -> Iterator[tuple[Simulator, Liv
     """
     simulators = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
     with _one_at_a_time:
-        for kept in [_kept[simulator.name] for simulator in simulators if simulator.name in _kept]:
-            if kept.made_with == _made_with(timeout) and kept.process == os.getpid() and kept.live.is_current:
-                connection = kept
+        # A fork has its parent's connections, which are of no use to it; other variables may mean another server.
+        for connection in [_kept[simulator.name] for simulator in simulators if simulator.name in _kept]:
+            is_ours = connection.made_with == _made_with(timeout) and connection.process == os.getpid()
+            if is_ours and connection.live.is_current:
                 break
-            _close(kept)  # its server has gone, or is another one
+            _close(connection)  # its server has gone, or is another one
         else:
             connection = _new_connection(simulators, timeout)
         try:
             yield connection.simulator, connection.live
         except BaseException as error:
-            if not isinstance(error, UserError):
+            if not isinstance(error, UserError):  # a mistake of the user leaves the connection as it was
                 _close(connection)
             raise
 
 
 def opened_folder(simulator: Simulator) -> list[Path]:
-    """Return the folder of the maps with one of which `rsegen open` began the connected simulation, if it did."""
-    kept = _kept.get(simulator.name)
-    return [kept.folder.parent] if kept and kept.folder else []
+    """Return the folder of maps from which `rsegen open` began the connected simulation, if it did."""
+    connection = _kept.get(simulator.name)
+    return [connection.folder.parent] if connection and connection.folder else []
 
 
 def _new_connection(simulators: Sequence[Simulator], timeout: float) -> _Connection:
+    """Connect to the first simulation that answers, and keep the connection; NothingRuns, with all reasons, if none."""
+    # A quick round first, as most simulators do not run; then one with the time that a busy server may need.
     reasons: list[str] = []
     for sign in (_FIRST, max(_FIRST, _SECOND * timeout)):
         reasons.clear()
@@ -169,12 +176,12 @@ def _new_connection(simulators: Sequence[Simulator], timeout: float) -> _Connect
 
 
 def _made_with(timeout: float) -> object:
-    """Return what a connection depends on."""
+    """Return the timeout and the variables on which a connection depends."""
     return timeout, {name: value for name, value in os.environ.items() if name.startswith(_PREFIXES)}
 
 
 def _close(connection: _Connection) -> None:
-    """Close a connection, or leave it alone if it is a copy of that of another process."""
+    """Forget a connection, and close it unless another process, from which this one was forked, has made it."""
     if _kept.get(connection.simulator.name) is connection:
         del _kept[connection.simulator.name]
     if connection.process == os.getpid():

@@ -148,13 +148,14 @@ register = EMBEDDED.register
 
 
 def embedded_simulator(name: str | None) -> EmbeddedSimulator | None:
-    """Return the embedded simulator of a name, by default the first there is; None if the name is a server's.
+    """Return the embedded simulator of a name, by default the first that exists; None if the name is a server's.
 
-    UnknownName, which lists all simulators, if there is none of that name.
+    UnknownName, which lists all simulators, for any other name.
     """
     if name is None:
         return next(iter(EMBEDDED.values()), None)
     if name not in EMBEDDED and name not in SIMULATORS:
+        # A user who writes "gazebo" is told the names of both.
         meant = [*SIMULATORS] if name.lower() in ("gazebo", "gz", "ign", "ignition") else []
         raise UnknownName.among("simulator", "simulator", name, (*EMBEDDED, *SIMULATORS), meant)
     return EMBEDDED.get(name)

@@ -1,6 +1,6 @@
 """A world of an embedded simulator in its own process, in which time runs as in a server until it is paused.
 
-So what it costs is that of a process, as of a Gazebo: its CPU time and its memory. Requests and answers are pickled
+So its cost can be measured like a Gazebo's, by the CPU time and memory of a process. Requests and answers are pickled
 values on the process's stdin and stdout; it simulates between them, in pieces of some milliseconds, in real time or as
 fast as it can. It ends with its stdin, so with the program that has started it. Cost: a look for a request per piece.
 What breaks it: a world that needs longer for a piece than somebody waits for an answer.
@@ -76,9 +76,10 @@ class EmbeddedProcess(RunningWorld):
         """Let simulation time run."""
         self._ask("unpause")
 
-    def _ask(self, what: str, *values: object) -> Any:
+    def _ask(self, method: str, *values: object) -> Any:
+        """Return the answer of a method of _Runner in the process."""
         try:
-            _send(self._process.stdin, (what, values))
+            _send(self._process.stdin, (method, values))
             is_done, answer = pickle.load(self._process.stdout)  # type: ignore[arg-type]  # noqa: S301  # of our process
         except (EOFError, OSError, pickle.UnpicklingError):
             raise SimulatorFailed("the process of the simulator has ended") from None
@@ -89,7 +90,7 @@ class EmbeddedProcess(RunningWorld):
 
 @contextmanager
 def world_in_process(task: Task) -> Iterator[EmbeddedProcess]:
-    """Yield the world of a task, paused, in a process that ends when this ends; SimulatorFailed if there is none."""
+    """Yield the world of a task, paused, in a process that ends with this context; SimulatorFailed if it cannot."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rsegen.simulators.embedded_process"],
         stdin=subprocess.PIPE,
@@ -188,15 +189,16 @@ def _loaded(task: Task) -> _Runner:
 
 def _answer(runner: _Runner, request: tuple[str, Sequence[Any]]) -> tuple[bool, Any]:
     """Return whether a request is met, and the answer, or why it is not."""
-    what, values = request
+    method, values = request
     try:
-        return True, getattr(runner, what)(*values)
+        return True, getattr(runner, method)(*values)
     except RsegenError as error:
         return False, str(error)
 
 
 def _next(requests: SimpleQueue[Any], runner: _Runner) -> Any:
     """Return the next request, None for the end; the world goes on until there is one, if time runs."""
+    # Seconds to wait for a request: without end while it is paused (None), not at all if no time is left (0).
     wait: float | None = None
     while True:
         if runner.is_running:
@@ -208,12 +210,12 @@ def _next(requests: SimpleQueue[Any], runner: _Runner) -> Any:
 
 
 def _run(requests: SimpleQueue[Any], answers: IO[bytes]) -> None:
-    """Load the world of the first request, and answer the others until there is none, or the physics fails."""
+    """Load the world of the first request, and answer the others until the last one, or until the physics fails."""
     try:
         runner = _loaded(requests.get())
         while (request := _next(requests, runner)) is not None:
             _send(answers, _answer(runner, request))
-    except RsegenError as error:
+    except RsegenError as error:  # between two requests: the next ones get the reason
         while requests.get() is not None:
             _send(answers, (False, str(error)))
 

@@ -1,4 +1,4 @@
-"""Gazebo Classic 11: gzserver, gzclient, gazebo that starts both, and the world in a running server.
+"""Gazebo Classic 11: gzserver, gzclient, gazebo, which starts both, and the world in a running server.
 
 Two servers need two ports of GAZEBO_MASTER_URI, and the internet's database of models is switched off, or they wait for
 it. A paused server begins its record when its world is complete, which tells that it has loaded; the record later tells
@@ -70,10 +70,10 @@ class GazeboClassic(Simulator):
     harmless_messages: ClassVar[tuple[str, ...]] = (
         "Can't open display",
         "Unable to open audio device",
-        # What a server says whom a `gz` command has just left.
+        # What a server prints when a `gz` command has just disconnected.
         "Header is empty",
         "Data was empty, try again",
-        # What a server that keeps a record says of every model that is put in while time runs.
+        # What a server that keeps a record prints for every model that is spawned while time runs.
         "Unable to call parseURDF on robot model",
         "parse as old deprecated model file failed",
     )
@@ -268,7 +268,7 @@ class ClassicWorld(LiveWorld):
         return lambda: len(frames)
 
     def mesh_files(self) -> Mapping[str, str]:
-        """Return the files in the answer about poses; those of a map in a world file are relative to the world."""
+        """Return the files in the answer about poses; a map in a world file has them relative to the world."""
         return {name: file for name, model in self._models().items() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
@@ -311,7 +311,7 @@ class ClassicWorld(LiveWorld):
             self.client.publish("world_control", "WorldControl", {"multi_step": steps})
 
     def _set_paused(self, *, paused: bool) -> None:
-        self.client.clear("world_stats")
+        self.client.clear("world_stats")  # the last one was sent before the order
         self.client.publish("world_control", "WorldControl", {"pause": paused})
         self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == paused)
 
@@ -348,7 +348,7 @@ class ClassicWorld(LiveWorld):
 
 @contextmanager
 def classic_world(address: tuple[str, int], patience: Patience) -> Iterator[ClassicWorld]:
-    """A connection to the world of the server whose master is at a host and port; NothingRuns if there is none."""
+    """A connection to the world of the server whose master is at a host and port; NothingRuns without a server."""
     with transport_client(address, patience) as opened:
         opened.subscribe("world_stats", "WorldStatistics")
         opened.subscribe("response", "Response")

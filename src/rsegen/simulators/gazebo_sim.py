@@ -292,6 +292,7 @@ class SimWorld(LiveWorld):
         """Step, and wait until poses are published that are as late."""
         if not steps:
             return
+        # All steps take equally long, so the time of the last one is known, and poses of that time are waited for.
         done, now = self._stopped or _steps_and_time(self.client.wait_for_message(self._topic("stats")))
         self._order("control", "WorldControl", {"pause": True, "multi_step": steps})
         if done:
@@ -312,10 +313,11 @@ class SimWorld(LiveWorld):
         return self._sample is not None
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and return the contacts of the first step: sensors give those of every step, with its time."""
+        """Step, and return the contacts of the first step; sensors send the contacts of each step with its time."""
         if self._sample is None or not steps:
             self.step(steps)
             return ()
+        # Contacts are known by the time of the first step; before any step it is unknown, so one step is done alone.
         done, now = self._stopped or _steps_and_time(self.client.wait_for_message(self._topic("stats")))
         self._sample.begin(now + now // done if done else None)
         first = steps if done else 1
@@ -340,12 +342,12 @@ class SimWorld(LiveWorld):
     def poses(self) -> Mapping[str, Pose]:
         """Return the poses of all models, not before the end of our last step."""
         poses = self._poses("pose/info")
-        if poses.keys() != self._ids:
+        if poses.keys() != self._ids:  # something was spawned or deleted, so the names are asked for again
             self._names, self._ids = self._models(), poses.keys()
         return self._by_name(poses)
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """Return the last message of the topic of poses; the names are those of the last `poses`."""
+        """Return the last message of the topic of poses, with the names that the last call of `poses` has found."""
         message = self.client.last(self._topic("pose/info")) or {}
         return _stamp(message) / 1e9, self._by_name(_by_id(message))
 
@@ -472,8 +474,8 @@ def _steps_and_time(stats: Mapping[str, Any]) -> tuple[int, int]:
 
 def _by_id(message: Mapping[str, Any]) -> dict[int, bytes]:
     """Return the messages Pose in one of many by their ids; most are of links, and never decoded."""
-    found = ((one, content) for content in message.get("pose", []) for one in _of_type("EntityPose", content))
-    return {one["id"]: content for one, content in found if "id" in one}
+    entities = ((entity, raw) for raw in message.get("pose", []) for entity in _of_type("EntityPose", raw))
+    return {entity["id"]: raw for entity, raw in entities if "id" in entity}
 
 
 def _of_type(type_name: str, content: bytes) -> Iterator[dict[str, Any]]:

@@ -100,14 +100,14 @@ class Inbox:
             return list(self._newest_first(self.full_name(topic)))[::-1]
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """Return the last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if none has come yet."""
         with self._changed:
             return next(self._newest_first(self.full_name(topic)), None)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool] = lambda _: True
     ) -> dict[str, Any]:
-        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if none has come yet."""
         full = self.full_name(topic)
         accepted: list[dict[str, Any]] = []
 
@@ -120,7 +120,7 @@ class Inbox:
 
     def wait_until(self, topic: str, count: Callable[[Mapping[str, Any]], int], target: int) -> dict[str, Any]:
         """Return a message of a topic whose count has reached a target, if it grows within patience each time."""
-        reached = -1
+        reached = -1  # each larger count is progress, and begins the wait anew
         while True:
             message = self.wait_for_message(topic, lambda message: count(message) > reached)
             if (reached := count(message)) >= target:

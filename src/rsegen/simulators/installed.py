@@ -56,8 +56,8 @@ def _version_and_commands(simulator: Simulator | EmbeddedSimulator) -> tuple[str
 
     if isinstance(simulator, EmbeddedSimulator):
         return simulator.version(), {}
-    here = simulator.installation()
-    return (here.version, here.commands) if here else (None, {})
+    installation = simulator.installation()
+    return (installation.version, installation.commands) if installation else (None, {})
 
 
 def describe(simulators: Iterable[Mapping[str, Any]]) -> Iterator[str]:

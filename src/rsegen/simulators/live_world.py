@@ -42,9 +42,9 @@ class RunningWorld(SteppedWorld):
         """Return the clock now."""
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
+        """Return simulated seconds, and the poses of the models that moved then, from the last message.
 
-        Empty until the first message; it costs a running server less than `poses`, and gives the very time.
+        Empty until the first message; it costs a running server less than `poses`, and has the time of the poses.
         """
         return self.clock().simulated, self.poses()
 
@@ -148,7 +148,7 @@ class LiveWorld(RunningWorld):
         """Have a model deleted."""
 
     def _wait(self, otherwise: str, done: Callable[[], bool]) -> None:
-        """Ask until something is done; SimulatorFailed with what is the case otherwise when patience is over."""
+        """Ask until something is done; SimulatorFailed with `otherwise` as its reason when patience is over."""
         wait = self.client.patience.begin()
         while not done():
             if wait.is_over:

@@ -118,6 +118,7 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
             code = None
         finally:
             relay.finish()
+        # Without a window nobody ends a server but us, so its own end is a failure, and so are its error lines.
         if code is not None and (headless or (code and relay.first)):
             why = f"with exit code {code}"
             if code == 0 and file.is_file() and b"<world" not in file.read_bytes():  # Fortress says nothing of it
@@ -137,7 +138,7 @@ def open_embedded(  # as `rsegen.open`
     seconds: float | None,
     on_start: Callable[[OpenedWorld], None],
 ) -> OpenResult:
-    """Open a map in this process, with a robot west of it if there is one; see `rsegen.open`. Ctrl-C ends it."""
+    """Open a map in this process, perhaps with a robot west of it; see `rsegen.open`. Ctrl-C ends it."""
     if not (headless or has_screen()):
         raise UserError(f"{_NO_SCREEN}; simulate without one with headless=True")
     scene = world.scene()

@@ -31,11 +31,11 @@ _WORKS = 0.3
 
 
 def command_output(command: Sequence[str | Path]) -> str:
-    """Return stdout and stderr of a short command, empty if there is none; SimulatorFailed if it is silent for long.
+    """Return stdout and stderr of a short command; SimulatorFailed if it prints nothing for long.
 
-    Its own end counts, not that of a pipe, which any process that it has started may keep open.
+    Empty if it does not exist.
     """
-    # The output is a file, whole once the command has ended, whatever its children still do.
+    # The output is a file, whole once the command has ended: a pipe its children could keep open for longer.
     launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
     with suppress(OSError), ExitStack() as stack:
         file = stack.enter_context(TemporaryFile("w+", encoding="utf-8", errors="replace"))
@@ -86,9 +86,9 @@ class Usage(NamedTuple):
 
 
 def usage(pid: int) -> Usage:
-    """Return the usage of a process with those that it has started; SimulatorFailed if it has ended.
+    """Return the usage of a process and of all that it has started; SimulatorFailed if it has ended.
 
-    Resident memory counts shared pages once per process, so that of several processes is too large.
+    Resident memory counts shared pages once per process, so the sum for several processes is too large.
     """
     import psutil
 

@@ -92,6 +92,7 @@ class Server:
         is_loaded = False
         while not is_loaded:
             has_died, is_over = self.running.exit_code is not None, wait.is_over
+            # Read after its state: what it printed before it died is in the log.
             log = self.log
             is_loaded = self.here.simulator.is_loaded(self.home, log)
             if self.here.simulator.load_failed(log):
@@ -110,8 +111,8 @@ class Server:
         """Return an error with the reason and the last error lines of the log, else its last lines."""
         lines = self.here.simulator.without_harmless(plain_text(self.log).splitlines())
         errors, lines = self.errors[-_ERRORS:], lines[-_LINES:]
-        what = "its last errors are" if errors else "its log ends with"
-        return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
+        heading = "its last errors are" if errors else "its log ends with"
+        return SimulatorFailed("\n".join([f"{self.here}: {why}; {heading}:", *(errors or lines)]))
 
 
 @contextmanager
@@ -152,13 +153,13 @@ def attempted(once: Callable[[], Result]) -> tuple[Result, int]:
 
 
 def choose_installation(made_for: str, name: str | None, timeout: float = SECONDS) -> Installation:
-    """Return the installation of that name, else of what a map is made for, else the newest; with this timeout."""
+    """Return the installation of that name, else of the simulator that a map is made for, else the newest one."""
     if name is None:
-        here = next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
+        chosen = next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
     else:
         simulator = SIMULATORS.named(name, "simulator")
-        here = simulator.installation() or _missing(simulator)
-    return replace(here, timeout=timeout)
+        chosen = simulator.installation() or _missing(simulator)
+    return replace(chosen, timeout=timeout)
 
 
 def _missing(*able: Simulator) -> Installation:

@@ -172,21 +172,21 @@ class Discovery:
 
 
 def interfaces(environment: Mapping[str, str]) -> list[str]:
-    """Return the addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last.
+    """Return the addresses of this computer for messages: the one in GZ_IP or IGN_IP, else all, 127.0.0.1 last.
 
-    One that this computer has not counts as 127.0.0.1, as in Gazebo Transport.
+    An address that is not this computer's counts as 127.0.0.1, as in Gazebo Transport.
     """
     import psutil
 
     interfaces_here = (address for addresses in psutil.net_if_addrs().values() for address in addresses)
     own = {address.address for address in interfaces_here if address.family == socket.AF_INET}
-    if given := _variable(environment, "IP"):
-        return [given if given in own or given.startswith("127.") else "127.0.0.1"]
+    if chosen := _variable(environment, "IP"):
+        return [chosen if chosen in own or chosen.startswith("127.") else "127.0.0.1"]
     return sorted(own | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
 
 
 def _variable(environment: Mapping[str, str], name: str) -> str:
-    """Return a variable by its name since Garden, else by that of before."""
+    """Return a variable by its name since Garden, else by its older name."""
     return environment.get(f"GZ_{name}") or environment.get(f"IGN_{name}") or ""
 
 
@@ -211,7 +211,7 @@ _RETRY = 0.002
 
 
 class TransportClient(Inbox):
-    """A client in a partition, by default that of the computer and the user, for topics and services."""
+    """A client for topics and services in a partition, by default the one of the computer and the user."""
 
     def __init__(self, environment: Mapping[str, str], patience: Patience) -> None:
         # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
@@ -320,7 +320,7 @@ class TransportClient(Inbox):
         self._thread.join()
 
     def full_name(self, topic: str) -> str:
-        """Return the name with that of the partition."""
+        """Return the name of a topic or service with its partition."""
         return f"@/{self.partition.strip('/')}@{topic}"
 
     def _ask(self, where: Discovery, full: str) -> None:
@@ -345,7 +345,7 @@ class TransportClient(Inbox):
         }
         for receiver in readers:
             sockets.poller.register(receiver, sockets.receives)
-        beat = 0.0
+        beat = 0.0  # when the next heartbeat is due
         try:
             while not self._closing:
                 if time.monotonic() >= beat:
@@ -356,10 +356,12 @@ class TransportClient(Inbox):
                         readers[ready]()
         finally:
             self.fail("the connection is closed")
-            for other in (sockets, self._topics, self._offers, self._wake, self._woken):
-                other.close()
+            for owner in (sockets, self._topics, self._offers, self._wake, self._woken):
+                owner.close()
 
     def _beat(self) -> None:
+        """Do what is due each second: tell that we are there, and notice whether the server still does."""
+        # Datagrams may get lost, so what we publish, and what has no publisher yet, is announced again each time.
         self._silent_beats = 0.0 if self._attended in self._heard else self._silent_beats + share()
         self._heard.clear()
         if self._attended and self._silent_beats >= _SILENT_BEATS:
@@ -394,7 +396,7 @@ class TransportClient(Inbox):
                 del self._connections[known]
 
     def _note_publisher(self, publication: Message) -> None:
-        """Connect to a publisher of a topic that is subscribed, and register with it.
+        """Connect to a publisher of a subscribed topic, and register with it.
 
         A server can publish two types on one topic, as Pose and Pose_V on that of a model's poses, and sends only the
         type with which a subscriber has registered.

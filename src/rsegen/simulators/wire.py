@@ -48,7 +48,7 @@ class MessageTypes:
 
     def __post_init__(self) -> None:
         numbered = {
-            type_name: {number: (name, kind) for name, (number, kind) in fields.items()}
+            type_name: {field_number: (name, kind) for name, (field_number, kind) in fields.items()}
             for type_name, fields in self.types.items()
         }
         object.__setattr__(self, "numbered", numbered)
@@ -73,10 +73,10 @@ class MessageTypes:
     def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
         names = self.numbered[type_name]
         message, parts = _Decoded(self, type_name), defaultdict[tuple[str, str], list[bytes]](list)
-        for number, wire_type, value in _fields(content):
-            if number not in names:
+        for field_number, wire_type, value in _fields(content):
+            if field_number not in names:
                 continue
-            name, kind = names[number]
+            name, kind = names[field_number]
             single = kind[0] if isinstance(kind, list) else kind
             if wire_type != _wire_type(single):
                 raise ValueError(f"{name} is of another kind")
@@ -165,23 +165,23 @@ def _fields(content: bytes) -> Iterator[tuple[int, int, Any]]:
 
 def _varint(number: int) -> bytes:
     """Return a number as seven bits a byte, the lowest first; a negative one as if it had 64 bits."""
-    rest = number & 2**64 - 1
+    left = number & 2**64 - 1
     content = bytearray()
-    while rest > 127:
-        content.append(rest & 127 | 128)  # the eighth bit: more follow
-        rest >>= 7
-    return bytes([*content, rest])
+    while left > 127:
+        content.append(left & 127 | 128)  # the eighth bit: more follow
+        left >>= 7
+    return bytes([*content, left])
 
 
 def _number(content: bytes, at: int) -> tuple[int, int]:
     """Return the number that begins there, and where the next thing begins."""
-    number = 0
+    value = 0
     for place in range(_MOST_BYTES):
         byte = content[at + place]
-        number |= (byte & 127) << 7 * place
+        value |= (byte & 127) << 7 * place
         if byte < 128:
-            number &= 2**64 - 1
-            return (number - 2**64 if number >= 2**63 else number), at + place + 1
+            value &= 2**64 - 1
+            return (value - 2**64 if value >= 2**63 else value), at + place + 1  # two's complement
     raise ValueError("a number of more than 64 bits")
 
 
@@ -277,7 +277,7 @@ SIM = MessageTypes(
 
 
 def nanoseconds(time: Mapping[str, int] | None) -> int:
-    """Return a message Time of Gazebo Sim in nanoseconds; 0 if there is none, as protobuf leaves out zeros."""
+    """Return a message Time of Gazebo Sim in nanoseconds; 0 without a message, as protobuf leaves out zeros."""
     return (time or {}).get("sec", 0) * 10**9 + (time or {}).get("nsec", 0)
 
 
@@ -313,7 +313,7 @@ def contact_of(collisions: tuple[str, str], points: Sequence[Mapping[str, float]
 
 
 def mesh_file(model: Mapping[str, Any]) -> str:
-    """Return the file of the first visual mesh of a model; empty if there is none."""
+    """Return the file of the first visual mesh of a model; empty if no visual is a mesh."""
     visuals = (visual for link in model.get("link", []) for visual in link.get("visual", []))
     files = (visual.get("geometry", {}).get("mesh", {}).get("filename") for visual in visuals)
     return next(filter(None, files), "")

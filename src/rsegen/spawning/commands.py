@@ -110,8 +110,8 @@ def spawn(  # noqa: PLR0913  # each is a flag
     """Spawn a map, a robot, or a robot on a map in the running simulation, and report its name and pose.
 
     With `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher.
-    It is the one at GAZEBO_MASTER_URI or in GZ_PARTITION if one of these variables is set, else the last that
-    `rsegen open` began and that still runs, else the one at a default address.
+    The simulation is the one at GAZEBO_MASTER_URI or in GZ_PARTITION if one of these variables is set, else the last
+    one that `rsegen open` began and that still runs, else the one at a default address.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Free ground for a new model between those of a simulation, and the maps there, with the blocks under a place."""
+"""Free ground for a new model between the models of a simulation; its maps, with the blocks under a place."""
 
 from __future__ import annotations
 
@@ -72,6 +72,7 @@ class SpawnedMap:
 
     def top(self, at: Pose, radius: float = 0.0) -> float:
         """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
+        # Blocks under the square around the model; off the map a slice is empty, not counted from the end.
         window = []
         for x, along in zip(self._in_map_axes(at), self.field.extent, strict=True):
             first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-radius, radius))

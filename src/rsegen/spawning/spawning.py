@@ -1,12 +1,12 @@
-"""`rsegen.spawn`, `respawn` and `remove`: maps and robots put into the running simulation, none of them into a block.
+"""`rsegen.spawn`, `respawn` and `remove`: maps and robots spawned in the running simulation, never inside blocks.
 
 A new map or robot gets the free place nearest to the origin, unless a place is given; a robot is put on top of the maps
 under it. A map is known by its recipe.json, in the folder of its mesh or in a folder of its name; of other models only
 the origin is known. The map to replace is the one of the same recipes, else the only one whose recipe is known; the new
 one is the next in the folder, or the next index of the recipe. It comes before the old one goes, while the world is
 paused, and models on it are put upright on top of the blocks under them, as high above these as before. Maps are models
-in folders that stay, as the simulator reads their meshes as long as it runs. What breaks it: a map whose recipe is not
-found, whose blocks are taken for flat ground, and a map that is not upright.
+in folders that stay, as the simulator reads their meshes as long as it runs. What breaks it: a map without a known
+recipe, which counts as flat ground, and a map that is not upright.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from rsegen.writing.target_worlds import Target, path_of, recipe_files
 
 
 def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
-    """Spawn a map and delete the old one, if given, while the world is paused; gives the models put on top of it."""
+    """Spawn a map, and delete the old one, if given, in a paused world; return the models that were put on top."""
     was_paused = live.clock().paused
     try:
         if not was_paused:  # inside, as Ctrl-C may come between the order to pause and its report
@@ -62,6 +62,7 @@ def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None
 def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> tuple[str, ...]:
     """Put movable models above a map upright on top of the blocks under them, as high above these as before."""
     movable = live.movable() - {new.name, old.name if old else ""}
+    # Models above either map: on the old one they would fall, inside the new one they would be thrown out.
     models = {
         name: at
         for name, at in live.poses().items()
@@ -122,38 +123,39 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
 ) -> SpawnResult:
     """Spawn a map, by its index or name if the target has several, or a robot; see `rsegen.spawn`."""
     place = list(at or [])
-    what = _robot_or_map(target, which, output)
-    rider = _rider(what, robot, pose)
+    spawnable = _robot_or_map(target, which, output)
+    rider = _rider(spawnable, robot, pose)
     if name is None:
-        name = rider.kind if rider else what.name if isinstance(what, MapModel) else what.kind
+        name = rider.kind if rider else spawnable.name if isinstance(spawnable, MapModel) else spawnable.kind
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; use another name, or remove {name} first")
-        own = [what.folder.parent] if isinstance(what, MapModel) else []
+        own = [spawnable.folder.parent] if isinstance(spawnable, MapModel) else []
         homes = [*opened_folder(running), output, *own]
         maps = [
             SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
             for known, recipe in known_recipes(live, poses, homes).items()
         ]
         # Three cases: a robot alone, a map alone, and a robot on a map, which is spawned first if it is not there.
-        if not isinstance(what, MapModel):
-            spot = None if place else _on_map(what, name, maps, poses)
-            start = spot or _on_top(what, occupied(poses, maps), maps, place)
-            live.spawn(what.file(name, live.backend), start)
+        if not isinstance(spawnable, MapModel):
+            spot = None if place else _on_map(spawnable, name, maps, poses)
+            start = spot or _on_top(spawnable, occupied(poses, maps), maps, place)
+            live.spawn(spawnable.file(name, live.backend), start)
             notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            return SpawnResult(name=name, simulator=running.name, at=start, notes=(*notes, *_own_notes(what, live)))
+            notes += _own_notes(spawnable, live)
+            return SpawnResult(name=name, simulator=running.name, at=start, notes=tuple(notes))
         if rider is None:
-            new, moved = _spawned(live, what, name, place, poses, maps)
+            new, moved = _spawned(live, spawnable, name, place, poses, maps)
             return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
-        rest = _at_rest(what.field, rider, pose) if pose else None
-        ground, moved, notes = _there(what, poses, maps, place), (), []
+        at_rest = _at_rest(spawnable.field, rider, pose) if pose else None
+        ground, moved, notes = _running_map(spawnable, poses, maps, place), (), []
         if ground is None:
-            ground, moved = _spawned(live, what, what.name, place, poses, maps)
+            ground, moved = _spawned(live, spawnable, spawnable.name, place, poses, maps)
             notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
             poses = live.poses()
-        if rest:
-            start = _in_world(rest, rider, ground)
+        if at_rest:
+            start = _in_world(at_rest, rider, ground)
         else:
             spot = _on_map(rider, name, [ground], poses)
             start = spot or _on_top(rider, occupied(poses, maps), maps, [])
@@ -165,43 +167,45 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
 
 
 def _rider(
-    what: _Spawnable, robot: str | os.PathLike[str] | DrivableRobot | None, pose: object
+    spawnable: _Spawnable, robot: str | os.PathLike[str] | DrivableRobot | None, pose: object
 ) -> DrivableRobot | None:
     """Return the robot that is to be put on a map, if one is; a ParameterError for one without a map."""
     if robot is None:
         if pose is not None:
             raise ParameterError("pose", "is the place of a robot on a map; set robot too")
         return None
-    if not isinstance(what, MapModel):
-        raise ParameterError("robot", f"{what.kind} is a robot already; pass the map that this one is put on")
+    if not isinstance(spawnable, MapModel):
+        raise ParameterError("robot", f"{spawnable.kind} is a robot already; pass the map that this one is put on")
     return robot_of(robot, "robot")
 
 
 def _spawned(
-    live: LiveWorld, what: MapModel, name: str, place: list[float], poses: Mapping[str, Pose], maps: list[SpawnedMap]
+    live: LiveWorld, model: MapModel, name: str, place: list[float], poses: Mapping[str, Pose], maps: list[SpawnedMap]
 ) -> tuple[SpawnedMap, tuple[str, ...]]:
     """Spawn a map at a place, or at a free one, and return it with the names of the models put on top of it."""
-    what.check_spawnable()
-    new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
+    model.check_spawnable()
+    new = SpawnedMap(name=name, field=model.field, at=_pose(place or [0, 0]))
     if not place:
         new = replace(new, at=_pose(free_area(*new.area[2:], occupied(poses, maps))[:2]))
-    return new, spawn_map(live, what.sdf(name), new)
+    return new, spawn_map(live, model.sdf(name), new)
 
 
-def _there(
-    what: MapModel, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap], place: list[float]
+def _running_map(
+    model: MapModel, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap], place: list[float]
 ) -> SpawnedMap | None:
-    """Return a map as it is in the simulation, None if it is not there.
+    """Return the map of this name in the simulation, None if it has none.
 
-    A ParameterError if it has other blocks there, or if a place is given to it.
+    A ParameterError if that map has other blocks, or if a place is set for it.
     """
-    if what.name not in poses:
+    if model.name not in poses:
         return None
-    running = next((spawned for spawned in maps if spawned.name == what.name), None)
-    if running is None or running.field != what.field:
-        raise ParameterError("", f"{what.name} in the simulation has other blocks; remove it first, or respawn it")
+    running = next((spawned for spawned in maps if spawned.name == model.name), None)
+    if running is None or running.field != model.field:
+        raise ParameterError("", f"{model.name} in the simulation has other blocks; remove it first, or respawn it")
     if place:
-        raise ParameterError("at", f"{what.name} is in the simulation already; leave the place out, or remove it first")
+        raise ParameterError(
+            "at", f"{model.name} is in the simulation already; leave the place out, or remove it first"
+        )
     return running
 
 
@@ -219,7 +223,8 @@ def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> 
 
 
 def _in_world(rest: Pose, robot: DrivableRobot, ground: SpawnedMap) -> Pose:
-    """Return the pose of a robot's model in the world, from that of its body on a map: its origin is `lift` above."""
+    """Return the pose of a robot's model in the world, from the pose of its body on a map."""
+    # A body has its origin on the ground below the robot, a model `lift` above, along the robot's own z.
     up = robot.lift * rotation(rest.roll, rest.pitch, rest.yaw)[:, 2]
     x, y = ground.outside(rest.x + float(up[0]), rest.y + float(up[1]))
     return replace(rest, x=x, y=y, z=ground.at.z + rest.z + float(up[2]), yaw=ground.at.yaw + rest.yaw)
@@ -242,10 +247,10 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
     radius, body = hypot(*robot.size[:2]) / 2, robot.body_or_box
     for spawned in maps:
         others = [
-            at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
+            at for model, at in poses.items() if model not in (spawned.name, GROUND) and spawned.covers(at, radius)
         ]
         with suppress(ParameterError):  # no spot is left
-            for seed in range(_TRIES):
+            for seed in range(_TRIES):  # with its name: the same model on the same map gets the same spot
                 (spot,) = find_spots(spawned.field, body, 1, generator(seed, 0, name))
                 start = _in_world(Pose.above(spot), robot, spawned)
                 if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
@@ -316,10 +321,10 @@ def replace_map(  # as `rsegen.respawn`
         new = _given_or_next(target, which, output, current)
         new.check_spawnable()
         if new.name in poses:
-            what = f"{shown(new.name)} exists already; choose another"
+            problem = f"{shown(new.name)} exists already; choose another"
             if which is None and new.name == current:
-                what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
-            raise ParameterError("" if which is None else "map", what)
+                problem = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
+            raise ParameterError("" if which is None else "map", problem)
         # The blocks of a map whose folder is unknown are those that the recipe gives for its index.
         recipe = known.get(current) or recipes[0].alone(_index(recipes[0], current) or recipes[0].first_map)
         old = SpawnedMap(name=current, field=compose(recipe, recipe.first_map).field, at=poses[current])
@@ -342,11 +347,12 @@ def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str
         if given not in poses:
             raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
         return given
+    # Maps of a recipe are called NAME_0000 and on; any other map counts only if its recipe is known.
     pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
     candidates = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
     if not candidates:
-        what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
-        raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
+        examples = " or ".join(f"{stem}_0000" for stem in sorted(stems))
+        raise ParameterError("", f"no map such as {examples} in the simulation (models: {models})")
     if len(candidates) > 1:
         raise ParameterError("name", f"several maps could be replaced; choose one of {', '.join(candidates)}")
     return candidates[0]

@@ -58,11 +58,12 @@ def body_of_model(frames: ModelFrames, driven: Collection[str], *, lift: float, 
     solids: dict[Hashable, list[tuple[SurfaceSamples, Array]]] = {}
     for link, collision, geometry in frames.collisions():
         name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
-        mu, mu2 = (min(coefficient(collision, each, frames.where), GROUND_FRICTION) for each in ("mu", "mu2"))
+        mu, mu2 = (min(coefficient(collision, tag, frames.where), GROUND_FRICTION) for tag in ("mu", "mu2"))
         part = CollisionPart(name, link in driven, mu, mu2)
         if (form := form_of(geometry)) not in solids:
             solids[form] = list(_solids(geometry[0], distance, frames.where, name))
         shapes += [(part, solid, pose @ at) for solid, at in solids[form]]
+    # Centres of mass are in the model's frame, samples in the frame that has its origin on the ground.
     masses = inertials(frames).values()
     centre = np.average([link.centre for link in masses], axis=0, weights=[link.mass for link in masses])
     return body_of_shapes(
@@ -89,6 +90,7 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
             yield sampled_ball(radius, distance), pose_matrix((0, 0, end))
     elif kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
+        # In units of the file, whose points are scaled afterwards.
         side = distance / _CUBES / max(float(np.abs(scale).max()), _THIN)
         points, corners = simplified(collision_mesh(path), side)
         yield sampled_mesh(points * scale, corners, distance), np.eye(4)

@@ -1,4 +1,4 @@
-"""Read what ROS drives of a robot from its ros2_control or transmissions, and from the parameters of a controller.
+"""Read which joints of a robot ROS drives: from ros2_control or transmissions, and the parameters of a controller.
 
 URDF says which joints take a velocity; which of them are wheels, and their separation, radius and limits, stand in a
 YAML file of diff_drive_controller in one of the packages of the robot. That file is one that names joints of the
@@ -131,7 +131,8 @@ def _controllers(
         return len(own & words) / len(own)
 
     packages = list(packages_around(where))
-    own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
+    own = [package for package in packages if belong_together(packages[0], package)]
+    # Files that the robot names count before those of its packages, which are then not looked into.
     has_own, drives_otherwise = False, _drive_otherwise(named)
     own_files = islice(chain.from_iterable(map(_yaml_files, () if drives_otherwise else own)), _MOST_FILES)
     for files in (iter(named), iter(sorted(own_files, key=likeness, reverse=True))):
@@ -151,9 +152,9 @@ _TYPE = re.compile(rb"\btype\s*:\s*[\"']?[\w/:]*?(\w+Controller)\b")
 
 
 def _drive_otherwise(named: Sequence[Path]) -> bool:
-    """Return whether files that a robot names have controllers, and none for two sides of wheels, as of a tricycle.
+    """Return whether files that a robot names have controllers, but none for two sides of wheels, as for a tricycle.
 
-    Then those of its package are of other robots.
+    Then controllers of two sides in its package are for other robots.
     """
     types = {type_ for file in named for type_ in _TYPE.findall(regular_content(file, _LARGEST) or b"")}
     return bool(types) and b"DiffDriveController" not in types
@@ -216,6 +217,7 @@ def _controller(table: Mapping[Any, Any], joints: set[str], file: Path) -> Contr
     def number(path: str) -> float | None:
         return _positive(_value(table, path))
 
+    # ROS multiplies the radius of each side by a factor of its own, or of both by one; here both sides have one radius.
     radius, multiplier = number("wheel_radius"), number("wheel_radius_multiplier")
     multiplier = multiplier or number("left_wheel_radius_multiplier")
     speed, turn = (  # None for a limit that the controller does not keep
@@ -244,7 +246,8 @@ def _prefixed(names: tuple[str, ...], joints: set[str]) -> tuple[str, ...] | Non
     if any(_TO_BE_REPLACED.match(name) for name in names):
         prefixes += sorted(joint.removesuffix(bare[0]) for joint in joints if joint.endswith(bare[0]))
     for prefix in prefixes:
-        whole = tuple(prefix * bool(_TO_BE_REPLACED.match(name)) + rest for name, rest in zip(names, bare, strict=True))
+        pairs = zip(names, bare, strict=True)
+        whole = tuple(prefix + own if _TO_BE_REPLACED.match(name) else own for name, own in pairs)
         if joints.issuperset(whole):
             return whole
     return None
@@ -254,8 +257,8 @@ def _value(table: Any, path: str) -> Any:
     """Return the value at a path such as linear.x.max_velocity, which is written with dots or as mappings."""
     if not isinstance(table, dict) or path in table:
         return table.get(path) if isinstance(table, dict) else None
-    first, _, rest = path.partition(".")
-    return _value(table.get(first), rest) if rest else None
+    first, _, inner_path = path.partition(".")
+    return _value(table.get(first), inner_path) if inner_path else None
 
 
 def _names(table: Mapping[Any, Any], keys: Sequence[str]) -> tuple[str, ...]:
@@ -269,7 +272,7 @@ def _names(table: Mapping[Any, Any], keys: Sequence[str]) -> tuple[str, ...]:
 def _positive(value: Any) -> float | None:
     """Return a positive number; None for anything else, NaN too."""
     try:
-        number = float(value)
+        parsed = float(value)
     except (TypeError, ValueError, OverflowError):
         return None
-    return number if 0 < number < float("inf") else None
+    return parsed if 0 < parsed < float("inf") else None

@@ -1,4 +1,4 @@
-"""Masses of links from the densities of their collision shapes, where a file leaves them to Gazebo: <inertial auto>.
+"""Masses of links from the densities of their collision shapes, for links with <inertial auto>, as in Gazebo Sim.
 
     shape --density, volume--> mass, centre, tensor --of all shapes--> <inertial> --scaled to its <mass>--> <inertial>
 
@@ -21,6 +21,7 @@ from rsegen.field.stepfield import Array
 from rsegen.robots.files.meshes import collision_mesh
 from rsegen.robots.files.sdf_elements import Mass, append_inertial, is_true, sum_of_masses
 from rsegen.robots.files.sdf_shapes import (
+    ROUND,
     ModelFrames,
     file_and_scale,
     floats,
@@ -51,9 +52,9 @@ def weigh(frames: ModelFrames) -> list[str]:
         if not body.mass:
             raise FileError(f"{where}: its <inertial auto='true'> needs a collision shape")
         if (mass := inertial.findtext("mass")) is not None:
-            (wanted,) = floats(mass, 1, where)
-            refuse_mass(wanted, where)
-            body = _times(body, wanted / body.mass)
+            (stated_mass,) = floats(mass, 1, where)
+            refuse_mass(stated_mass, where)
+            body = _times(body, stated_mass / body.mass)
         for part in [part for part in inertial if part.tag in _REPLACED]:
             inertial.remove(part)
         append_inertial(element, body)
@@ -87,7 +88,7 @@ def _of_solid(kind: Element, where: str) -> Mass:
         x, y, z = floats(kind.findtext("size" if kind.tag == "box" else "radii"), 3, where)
         volume, part = (x * y * z, 12) if kind.tag == "box" else (4 / 3 * pi * x * y * z, 5)
         return Mass(volume, np.zeros(3), volume / part * np.diag([y * y + z * z, x * x + z * z, x * x + y * y]))
-    if kind.tag not in ("sphere", "cylinder", "capsule", "cone"):
+    if kind.tag not in ROUND:
         raise FileError(
             f"{where}: the mass of a <{kind.tag}> is not computed; write the link's <inertial> without auto"
         )
@@ -109,6 +110,8 @@ def _of_mesh(mesh: Element, where: str) -> Mass:
     points, corners = collision_mesh(path)
     corner = points[corners].astype(np.float64) * scale
     total = corner.sum(axis=1)
+    # A tetrahedron 0, a, b, c has the volume a . (b x c) / 6, negative if its triangle faces the origin, the centre
+    # total / 4, and as its integral of x x^T: volume / 20 times (a a^T + b b^T + c c^T + total total^T).
     six = np.einsum("ni,ni->n", corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))  # times the volume
     volume = float(six.sum() / 6)
     if not volume > 0:

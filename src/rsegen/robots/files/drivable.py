@@ -32,14 +32,15 @@ _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYS
 def make_drivable(  # as `hold_and_turn`, and what a simulator needs
     model: Element, where: str, read: ReadDrive | None, steering: Collection[str], *, name: str, backend: str
 ) -> dict[str, str]:
-    """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
+    """Give a model a drive of the simulator's own in place of its drives; return what else was changed, and why.
 
     If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration, and gets
-    the sides, the separation and the radius that were read; that of tracks is kept with its controllers of belts, which
-    a drive commands itself (`Tracks.belt_commands`). ROS's plug-ins are taken out where their library is not in a
+    the sides, the separation and the radius that were read; a plug-in of tracks is kept with its controllers of belts,
+    which rsegen commands itself (`Tracks.belt_commands`). ROS's plug-ins are taken out where their library is not in a
     folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
     drive, own = (read.drive, read.plugin) if read else (None, "")
+    # First what the drive of this simulator needs of the model's joints, then what of its plug-ins is kept.
     if backend == "classic":
         if model.find("allow_auto_disable") is None:
             SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
@@ -48,20 +49,22 @@ def make_drivable(  # as `hold_and_turn`, and what a simulator needs
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
-    kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
+    drive_plugins = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
     plugins, sensors, visuals = _leave_out(model, backend)
-    for plugin in kept:
+    for plugin in drive_plugins:
+        # The maker's topics go: belts are commanded on their default ones, and the drive on the one that is set here.
         for topic in [element for tag in _TOPICS for element in plugin.findall(tag)]:
             plugin.remove(topic)
         if plugin_key(plugin.get("filename", "")) == own:
             SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
             _put_drive(plugin, drive)
-    if isinstance(drive, Tracks) and not controlled_links(kept).issuperset((*drive.left, *drive.right)):
-        kept = []
-    if drive and not kept:
-        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
+    # A plug-in of tracks moves nothing without the controller of each belt, so the drive is then made anew.
+    if isinstance(drive, Tracks) and not controlled_links(drive_plugins).issuperset((*drive.left, *drive.right)):
+        drive_plugins = []
+    if drive and not drive_plugins:
+        drive_plugins = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
-    model.extend([*kept, *publisher])
+    model.extend([*drive_plugins, *publisher])
     _align_belts(model, where)
     _respell(model, backend)
     return {
@@ -79,6 +82,7 @@ def _put_drive(plugin: Element, drive: Drive | None) -> None:
     """
     if not isinstance(drive, Wheels):
         return
+    # Sides count by their places (sdf_drives.py): a plug-in that calls them the other way gets its tags swapped.
     right = {(part.text or "").strip() for part in plugin if re.search("right.*joint", part.tag)}
     if right and right <= {*drive.left}:
         mirrored = {"left": "right", "right": "left"}
@@ -113,7 +117,7 @@ def _align_belts(model: Element, where: str) -> None:
 
 
 _ALONG_Y = 0.99
-"""Cosine of the angle between the y of a belt and that of the model at least."""
+"""Cosine of the angle between the y axes of a belt and of the model at least."""
 
 
 _TOPICS = ("topic", "velocity_topic", "center_of_rotation_topic")

@@ -1,4 +1,4 @@
-"""Models of SDF as a Gazebo reads them: led by their body, and for Gazebo Classic without what it does not know.
+"""Models of SDF as a Gazebo reads them: led by their body, and for Gazebo Classic without elements unknown to it.
 
 A Gazebo says where a model is by one of its links, the canonical one: the first of the model itself, or in Gazebo Sim
 the one that the model names. If that is a wheel, a robot that drives seems to tip over with each turn of it. So the
@@ -24,7 +24,7 @@ from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import flat_name
 from rsegen.robots.files.rigid import has_fixed_links, head_of, make_one
-from rsegen.robots.files.sdf_elements import ENDS, NAMES_A_PART, numbers_text, pose_text, without_plugins
+from rsegen.robots.files.sdf_elements import ENDS, NAMES_A_PART, numbers_text, put_pose, without_plugins
 from rsegen.robots.files.sdf_shapes import ModelFrames, in_scope
 
 _OF_LATER_VERSIONS = ("degrees", "rotation_format")
@@ -34,11 +34,11 @@ _OF_LATER_VERSIONS = ("degrees", "rotation_format")
 def fit(
     model: Element, frames: ModelFrames, simulator: str, driven: Collection[str] = (), *, is_for_drive: bool = False
 ) -> None:
-    """Write a model as a Gazebo reads it, led by the link on which it hangs; its own plug-ins keep the names in them.
+    """Write a model as a Gazebo reads it, led by the link on which all others hang.
 
-    frames: of the model; driven: links that are wheels or tracks, of which the first one says which body counts, if
-    there are several; is_for_drive: whether no plug-ins but those of a drive name its parts, so that links on fixed
-    joints may become one in Gazebo Classic, and driven ones of nested models come into the model in Gazebo Sim
+    frames: of the model; driven: links that are wheels or tracks; if there are several bodies, the first of these links
+    says which one leads; is_for_drive: whether only plug-ins of a drive name its parts. Then links on fixed joints may
+    become one in Gazebo Classic, and driven links of nested models come into the model in Gazebo Sim.
     """
     body, first = _body(frames, driven), next((name for name, _ in frames.links()), "")
     is_rigid = is_for_drive and simulator == "classic" and has_fixed_links(frames, driven)
@@ -54,7 +54,10 @@ def fit(
 
 
 def _body(frames: ModelFrames, driven: Iterable[str]) -> str:
-    """Return the link on which a driven one hangs, or else the first one; an empty text if there are no links."""
+    """Return the link at the top, on which the first driven link hangs; without one, the top of the first link.
+
+    An empty text if there are no links.
+    """
     links = [name for name, _ in frames.links()]
     parents = ((link, frames.parent(joint)) for link, joint in frames.holders().items())
     body = next((link for link in driven if link in links), links[0] if links else "")
@@ -87,6 +90,7 @@ def _make_canonical(model: Element, body: str) -> None:
 
 def _make_flat(model: Element, frames: ModelFrames) -> None:
     """Make a model one of links and joints alone, all poses in its frame, and all names as they are in it."""
+    # All places and directions are read first: they are relative to frames and names that change below.
     places = {link: frames.transform(link) for link, _ in frames.links()}
     joints = {joint: frames.joint(joint) for joint in frames.joints}
     axes = [
@@ -98,11 +102,12 @@ def _make_flat(model: Element, frames: ModelFrames) -> None:
     for link, element in frames.links():
         _put_poses_in(element, link, places[link], frames)
     for joint, element in frames.joints.items():
-        _put_pose(element, np.linalg.inv(places.get(frames.child(joint), np.eye(4))) @ joints[joint])
+        put_pose(element, np.linalg.inv(places.get(frames.child(joint), np.eye(4))) @ joints[joint])
         _name_ends(element, partial(_in_model, joint, frames=frames))
     for axis, direction in axes:
         _put_direction(axis, direction)
-    named = [(name, element) for name, element in (*frames.links(), *frames.joints.items())]
+    # Then all elements are taken out, nested or not, and links, joints and plug-ins put back into the model itself.
+    named = [*frames.links(), *frames.joints.items()]
     plugins = [plugin for name, nested in frames.elements.items() for plugin in _plugins_of(name, nested, frames)]
     for element in [*model.findall("frame"), *model.findall("model"), *model.findall("link"), *model.findall("joint")]:
         model.remove(element)
@@ -119,8 +124,8 @@ def _rename(model: Element, where: str) -> None:
     for part in parts:
         name = part.get("name", "")
         flat = flat_name(name)
-        if (other := taken.setdefault(flat, name)) != name:
-            raise FileError(f"{where}: in a drive in Gazebo Sim {shown(other)} and {shown(name)} are both {flat}")
+        if (first := taken.setdefault(flat, name)) != name:
+            raise FileError(f"{where}: in a drive in Gazebo Sim {shown(first)} and {shown(name)} are both {flat}")
         part.set("name", flat)
     for joint in model.findall("joint"):
         _name_ends(joint, flat_name)
@@ -159,16 +164,8 @@ def _put_poses_in(link: Element, name: str, place: Array, frames: ModelFrames) -
     for element in [part for part in without_plugins(link) if part is not link and part.find("pose") is not None]:
         pose = element.find("pose")
         is_relative = pose is not None and bool(pose.get("relative_to") or pose.get("frame"))
-        _put_pose(element, np.linalg.inv(place) @ frames.shape(name, element) if is_relative else frames.local(element))
-    _put_pose(link, place)
-
-
-def _put_pose(element: Element, place: Array) -> None:
-    for pose in element.findall("pose"):
-        element.remove(pose)
-    pose = Element("pose")
-    pose.text = pose_text(place)
-    element.insert(0, pose)
+        put_pose(element, np.linalg.inv(place) @ frames.shape(name, element) if is_relative else frames.local(element))
+    put_pose(link, place)
 
 
 def _put_direction(axis: Element, direction: Array) -> None:
@@ -180,14 +177,14 @@ def _put_direction(axis: Element, direction: Array) -> None:
 
 
 def _plugins_of(name: str, nested: Element, frames: ModelFrames) -> list[Element]:
-    """Return the plug-ins of a nested model, with its links and joints by the names that they have in the outer one."""
+    """Return the plug-ins of a nested model, which name its links and joints as the whole model does."""
     plugins = nested.findall("plugin") if nested.tag == "model" else []
     for plugin in plugins:
         _name_parts(plugin, partial(_in_model, f"{name}::", frames=frames))
     return plugins
 
 
-def _in_model(beside: str, name: str, frames: ModelFrames) -> str:
-    """Return the name in the model of a link or joint beside another; of what is none as it is."""
-    scoped = in_scope(beside.rpartition("::")[0], name)
+def _in_model(neighbour: str, name: str, frames: ModelFrames) -> str:
+    """Return the name in the whole model of a link or joint in the nested model of another; any other name as it is."""
+    scoped = in_scope(neighbour.rpartition("::")[0], name)
     return scoped if scoped in frames.elements or scoped in frames.joints else name

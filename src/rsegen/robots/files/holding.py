@@ -1,9 +1,9 @@
-"""Joints of a model that are held in a drive, as nothing drives them, and joints that move.
+"""Joints that nothing drives: those that a drive holds, such as an arm's, and those that move, such as a caster's.
 
 What has limits is held: nothing else keeps an arm, a flipper or a leg where it is. A joint with a spring is a
 suspension and moves, as does one that turns without end, such as that of a caster. A turret does not, nor the forearm
-of a robot, as their motors hold them: what turns about an axis that is not across, carries nothing that rolls, nor
-anything below the axles, and is on nothing that rolls, as the rollers of a wheel are. A joint that follows another one
+of a robot, as their motors hold them: its axis is not across, it carries nothing that rolls, nor
+anything below the axles, and is on nothing that rolls (unlike the rollers of a wheel). A joint that follows another one
 (mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about axes that are not
 upright, are the two sides of a differential: they move against each other. What breaks it: an arm that hangs on endless
 joints across, and a rocker that has no spring and no partner, which becomes stiff.
@@ -45,6 +45,7 @@ def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collec
         is_stiff = name in steering or frames.child(name) in belts or _is_turret(name, frames, drive)
         return drive is None or is_stiff or not (is_endless(joint) or has_spring(joint))
 
+    # A joint is held or moves as the one that it follows in the end does.
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
     moving = [name for name, joint in frames.joints.items() if joint.get("type") in MOVING and name not in wheels]
     held = tuple(name for name in moving if is_held(leaders[name]))
@@ -57,12 +58,13 @@ def hold(model: Element, drive: Drive | None, *, follows: bool, steering: Collec
 
 
 def turn_to_the_left(model: Element, where: str, turned: Collection[str]) -> None:
-    """Turn the axes of wheels to the left, and the signs of the angles by which others follow them or they others."""
+    """Turn the axes of wheels to the left, and mend the ratios by which joints follow each other."""
     frames = ModelFrames(model, where)
     for name in turned:
         if (axis := frames.joints[name].find("axis/xyz")) is not None:
             axis.text = numbers([-value for value in floats(axis.text, 3, where)])
     for name, mimic in mimics(frames).items():
+        # angle = ratio * leader + offset: a turned follower has -angle, a turned leader -leader.
         element = frames.joints[name].find("axis/mimic")
         sign = -1 if name in turned else 1
         ratio = sign * (-1 if mimic.leader in turned else 1)
@@ -83,7 +85,7 @@ def has_spring(joint: Element) -> bool:
 
 
 def _is_turret(name: str, frames: ModelFrames, drive: Drive | None) -> bool:
-    """Return whether an endless joint neither rolls nor is on or carries what does, and is above the axles."""
+    """Return whether an endless joint is a turret's: no part above or below it rolls, and all is above the axles."""
     if drive is None or not is_endless(frames.joints[name]):
         return False
     carried, inner = {frames.child(name)}, {name}
@@ -113,7 +115,7 @@ def _above(joint: str, frames: ModelFrames) -> list[str]:
 
 
 def _rolls(joint: str, frames: ModelFrames) -> bool:
-    """Return whether a joint is endless and its axis is across, as that of what rolls ahead."""
+    """Return whether a joint is endless and has its axis across, as a wheel has."""
     return is_endless(frames.joints[joint]) and bool(abs(frames.axis(joint)[1]) >= _ACROSS)
 
 
@@ -127,6 +129,7 @@ def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: C
         if joint not in carrying:  # a file may have a circle
             carrying.add(joint)
             waiting += [above[link] for link in [frames.parent(joint)] if link in above]
+    # What carries a driven link and is no wheel's own joint is a rocker, or a swivel, whose axis is upright.
     wheels = {above[link] for link in driven if link in above}
     rockers = {name for name in carrying - wheels if abs(frames.axis(name)[2]) < UPRIGHT}
     pairs = [(name, mimic.leader) for name, mimic in followed.items() if {name, mimic.leader} <= rockers]

@@ -1,4 +1,4 @@
-"""Put the models that an SDF model includes into it, as Gazebo does, so that their links and joints are known.
+"""Put included models into an SDF model, as Gazebo does, so that their links and joints are known.
 
 <include> becomes a nested model with its name and pose, or, with merge, links and joints of the model itself. A pose of
 a merged link is the product of that of the include and its own. A model is a folder with model.config, or a file: it is
@@ -52,6 +52,7 @@ class Includes:
 
         above: the files that include this one
         """
+        # Inner models first: a placement frame may be in what they include.
         for nested in model.findall("model"):
             self.put_into(nested, file, above)
             _place(nested, nested, str(file))
@@ -80,7 +81,7 @@ class Includes:
         if path is None:
             self.missing[uri] = None
             return None
-        if path.absolute() in {other.absolute() for other in above}:
+        if path.absolute() in {including.absolute() for including in above}:
             raise FileError(f"{path}: includes itself")
         self._left -= 1
         if self._left < 0:
@@ -95,59 +96,61 @@ class Includes:
 
 
 def _last(include: Element) -> str:
-    """Return the last name in the URI of an <include>, which is mostly that of its model."""
+    """Return the last name in the URI of an <include>, which mostly is its model's."""
     return (include.findtext("uri") or "").strip().rstrip("/").rpartition("/")[2]
 
 
 def _sdf_file(path: Path | None) -> Path | None:
-    """Return the SDF file of a model, that of the latest version if its folder has several; None for no model."""
+    """Return the SDF file of a model, of several the one of the latest version; None for no model."""
     if path is None or path.is_file():
         return path
     config = (regular_content(path / "model.config", _LARGEST_CONFIG) or b"").decode("utf-8", "replace")
     files = _CONFIGURED.findall(config)
-    names = [name for _, name in sorted(files, key=lambda found: -int(found[0] or 0))]
+    names = [name for _, name in sorted(files, key=lambda version_and_name: -int(version_and_name[0] or 0))]
     candidates = [path / name for name in (*names, "model.sdf")]
     return next((file for file in candidates if file.is_file()), None)
 
 
 def _place(model: Element, include: Element, where: str) -> None:
-    """Give an included model the pose of its <include>, which may be that of one of its frames."""
+    """Give an included model the pose of its <include>, which is the pose of one of its frames if it names one."""
     pose, frame = include.find("pose"), (include.findtext("placement_frame") or "").strip()
     frame = frame or model.get("placement_frame", "").strip()
     if pose is None and not frame:
         return
-    wanted = Element("pose") if pose is None else pose
+    placed = Element("pose") if pose is None else pose
     if frame:
         frames = ModelFrames(model, where)
         if frame not in {*frames.elements, *frames.joints}:
             raise FileError(f"{where}: has no frame {shown(frame)} by which it is placed")
+        # The pose is the frame's, so the model's own is the pose times the inverse of the frame in the model.
         outer = Element("model")
-        outer.append(wanted)
+        outer.append(placed)
         moved = pose_text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
-        relative = wanted.get("relative_to")
-        wanted = Element("pose", {} if relative is None else {"relative_to": relative})
-        wanted.text = moved
+        relative = placed.get("relative_to")
+        placed = Element("pose", {} if relative is None else {"relative_to": relative})
+        placed.text = moved
     for own in model.findall("pose"):
         model.remove(own)
     model.attrib.pop("placement_frame", None)
-    model.insert(0, wanted)
+    model.insert(0, placed)
 
 
 def _merged(model: Element) -> list[Element]:
-    """Return the elements of a model as those of the model that it is merged into."""
+    """Return the elements of a model with poses for the model that it is merged into."""
     frames, pose = ModelFrames(model, model.get("name", "")), model.find("pose")
     base, relative = frames.local(model), "" if pose is None else pose.get("relative_to", "")
     elements = [element for element in model if element.tag in ("link", "joint", "frame", "model", "plugin", "gripper")]
     for element in elements:
+        # Only what is placed in the frame of its model moves with that; all else follows the frames that it names.
         own = element.find("pose")
-        other = "" if own is None else own.get("relative_to", own.get("frame", ""))
+        base_name = "" if own is None else own.get("relative_to", own.get("frame", ""))
         is_frame = element.tag == "frame" and element.get("attached_to", "") in _OF_MODEL
-        if other not in _OF_MODEL or not (element.tag in ("link", "model") or is_frame or other):
+        if base_name not in _OF_MODEL or not (element.tag in ("link", "model") or is_frame or base_name):
             continue
         moved = pose_text(base @ frames.local(element))
         if own is not None:
             element.remove(own)
-        placed = Element("pose", {"relative_to": relative or "__model__"} if relative or other else {})
+        placed = Element("pose", {"relative_to": relative or "__model__"} if relative or base_name else {})
         placed.text = moved
         element.insert(0, placed)
     return [*_own_frame(model, model.findall("joint"), pose), *elements]
@@ -159,13 +162,14 @@ _OF_MODEL = ("", "__model__")
 
 def _own_frame(model: Element, joints: list[Element], pose: Element | None) -> list[Element]:
     """Return the frame that a merged model had, if its joints name it, and make them name that."""
-    name = f"_merged__{model.get('name', '')}__model__"
+    name = f"_merged__{model.get('name', '')}__model__"  # as libsdformat calls it
     axes = [axis for joint in joints for tag in ("axis", "axis2") for axis in joint.findall(tag)]
     for axis in [axis for axis in axes if is_true(axis.findtext("use_parent_model_frame"))]:
         for flag in axis.findall("use_parent_model_frame"):
             axis.remove(flag)
         put(axis, "xyz", axis.findtext("xyz") or "0 0 1")
         axis.findall("xyz")[0].set("expressed_in", "__model__")
+    # After merging, __model__ would mean the outer model, so axes and ends of joints name the frame instead.
     directions = [xyz for axis in axes for xyz in axis.findall("xyz") if xyz.get("expressed_in") == "__model__"]
     ends = [end for joint in joints for end in joint if (end.text or "").strip() == "__model__"]
     for xyz in directions:

@@ -111,6 +111,7 @@ def simplified(mesh: Triangles, side: float) -> Triangles:
     points, corners = mesh
     if len(corners) <= MANY_FACES or not side > 0:
         return mesh
+    # The index of each point's cube in an array of the shape `cubes`, and the point's squared distance from the middle.
     low, high = bounds(points)
     cubes = np.floor((high - low) / side) + 1
     count = float(np.prod(cubes))
@@ -120,24 +121,27 @@ def simplified(mesh: Triangles, side: float) -> Triangles:
     for axis, column in enumerate(points.T):
         cube = cube * int(cubes[axis]) + ((column - low[axis]) / side).astype(np.int64)
         away += (column - (low[axis] + high[axis]) / 2) ** 2
+    # Most cubes of a wide mesh are empty: then those with points are numbered anew.
     if count > _CUBES_PER_POINT * len(points):
         different, cube = np.unique(cube, return_inverse=True)
         count = len(different)
+    # The farthest point of each cube, of several the first, becomes the point for all corners in the cube.
     farthest = np.full(int(count), -1.0)
     np.maximum.at(farthest, cube, away)
     chosen = np.flatnonzero(away == farthest[cube])[::-1]
-    number, first = np.full(len(farthest), -1), np.full(len(farthest), -1)
+    new_index, first = np.full(len(farthest), -1), np.full(len(farthest), -1)
     first[cube[chosen]] = chosen  # the last that is written is the first of them
-    kept = np.flatnonzero(first >= 0)
-    number[kept] = np.arange(len(kept))
-    faces = number[cube[corners]]
+    filled = np.flatnonzero(first >= 0)
+    new_index[filled] = np.arange(len(filled))
+    faces = new_index[cube[corners]]
     a, b, c = faces.T
     stays = (a != b) & (b != c) & (c != a)
-    thin = np.ones(len(kept), bool)
+    # A thin part has no face between three cubes: its faces are added as they were, with corners of their own.
+    thin = np.ones(len(filled), bool)
     thin[faces[stays]] = False
     as_given = points[corners[~stays & thin[faces].any(axis=1)]].reshape(-1, 3)
-    every = np.concatenate([points[first[kept]], as_given])
-    return Triangles(every, np.concatenate([faces[stays], np.arange(len(kept), len(every)).reshape(-1, 3)]))
+    every = np.concatenate([points[first[filled]], as_given])
+    return Triangles(every, np.concatenate([faces[stays], np.arange(len(filled), len(every)).reshape(-1, 3)]))
 
 
 def refuse_large(path: Path, size: int, advice: str = "") -> None:

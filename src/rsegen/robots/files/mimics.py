@@ -1,6 +1,6 @@
-"""Joints that follow another one: <mimic> of URDF and of SDF since 1.11, and equality constraints of MJCF.
+"""Joints that follow another one, by <mimic> in URDF and in SDF since 1.11, or by a constraint in MJCF.
 
-The angle of a follower is multiplier * (that of its leader - reference) + offset, radians or metres. It stands in the
+The angle of a follower is multiplier * (leader's angle - reference) + offset, radians or metres. The rule stands in the
 <axis> of its joint, as in SDF 1.11, whatever the version of the model is; only a simulator that keeps to it gets it.
 """
 
@@ -35,11 +35,11 @@ def put_mimic(joint: Element, mimic: Mimic) -> None:
 
 
 def mimics(frames: ModelFrames) -> dict[str, Mimic]:
-    """Return what each joint of a model follows; of those that move, and whose leader moves, and not round in a circle.
+    """Return the rule of each joint that follows another; both have to move, and not to follow each other in a circle.
 
     FileError for what is no number.
     """
-    found: dict[str, Mimic] = {}
+    rules: dict[str, Mimic] = {}
     for name, joint in frames.joints.items():
         element = joint.find("axis/mimic")
         if element is None or joint.get("type") not in MOVING:
@@ -51,8 +51,8 @@ def mimics(frames: ModelFrames) -> dict[str, Mimic]:
             (multiplier,) = floats(element.findtext("multiplier", "1"), 1, where)
             (offset,) = floats(element.findtext("offset", "0"), 1, where)
             (reference,) = floats(element.findtext("reference", "0"), 1, where)
-            found[name] = Mimic(leader, multiplier, offset - multiplier * reference)
-    return {name: mimic for name, mimic in found.items() if first_leader(name, found) is not None}
+            rules[name] = Mimic(leader, multiplier, offset - multiplier * reference)
+    return {name: mimic for name, mimic in rules.items() if first_leader(name, rules) is not None}
 
 
 def first_leader(joint: str, followed: Mapping[str, Mimic]) -> str | None:

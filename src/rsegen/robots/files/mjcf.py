@@ -1,4 +1,4 @@
-"""Turn MJCF, the format of MuJoCo, into SDF, so that a robot of MuJoCo is read, placed and driven as one of Gazebo is.
+"""Turn MJCF, the format of MuJoCo, into SDF; its robot then is read, placed and driven as a robot of Gazebo is.
 
 MuJoCo compiles the file (mjcf_compile.py). Bodies without a joint become part of the link of the body that holds them,
 as links on fixed joints of URDF do. A body on several joints hangs on the last of them, and on each other one a link
@@ -41,6 +41,7 @@ from rsegen.robots.files.sdf_elements import (
     numbers_text,
     pose_text,
     put,
+    put_all,
     sum_of_masses,
 )
 from rsegen.robots.files.sdf_shapes import ModelFrames
@@ -82,6 +83,7 @@ def of_mujoco(root: Element, where: str, wheels: Collection[str]) -> tuple[Conve
 
     FileError if it has none. wheels: joints that the user names
     """
+    # Wheels have axes along y. Without any, the robot is read again with its axles turned there, if that yields wheels.
     source = compiled(root, where)
     reader = _Reader(source, where, wheels)
     robot, controls = reader.robot()
@@ -117,6 +119,7 @@ class _Reader:
 
     def robot(self) -> tuple[Converted, Controls]:
         """Return the robot, and which of its joints have motors; what is not as in its file is a remark of these."""
+        # First links and joints; which joints are of wheels is found by the shapes and axes of the model made so far.
         model, remarks = self._model, list(self._left_out())
         masses = {head: self._mass(head) for head in dict.fromkeys(self._heads.values())}
         for head, mass in masses.items():
@@ -174,7 +177,7 @@ class _Reader:
         return [mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower() if on else "" for kind, on in kinds]
 
     def _placed(self, turn: float) -> dict[int, Array]:
-        """Return the poses of bodies where the file has them; the origin is that of the first, with `turn` as its yaw.
+        """Return the poses of bodies as in the file, about the origin of the first body, which gets `turn` as its yaw.
 
         So it stands upright wherever the file has it.
         """
@@ -193,6 +196,7 @@ class _Reader:
         axes = np.array([self._poses[self._body(joint)][:3, :3] @ self._model.jnt_axis[joint] for joint in joints])
         if len(axes) < 2 or np.abs(axes @ axes[0]).min() < _PARALLEL or np.abs(axes[:, 2]).max() > 1 - _PARALLEL:
             return 0.0
+        # An axle has no sign, so the turn is taken between a quarter to the right and one to the left.
         turn = (pi / 2 - atan2(axes[0, 1], axes[0, 0]) + pi / 2) % pi - pi / 2
         return turn if abs(turn) > _ACROSS else 0.0
 
@@ -240,7 +244,7 @@ class _Reader:
                 self._add_shape(link, geom, back @ self._poses[body])
 
     def _add_shape(self, link: Element, geom: int, place: Array) -> None:
-        """Add a shape of a body, which is at a place, (4, 4), in a link, as what touches, and as what is seen."""
+        """Add a shape of a body at a place, (4, 4), in a link: as a collision shape if it touches, and as a visual."""
         model, touches = self._model, geom in self._touching
         name = model.geom(geom).name.replace("::", "_") or f"geom_{geom}"
         geometry, at = self._geometry(geom, name, touches=touches)
@@ -254,16 +258,15 @@ class _Reader:
             # Without a sliding friction a contact has one direction; the ground has a priority of 0, and three.
             is_smooth = model.geom_condim[geom] == 1 and model.geom_priority[geom] > 0
             friction = 0.0 if is_smooth else float(model.geom_friction[geom, 0])
-            for path in ("mu", "mu2"):
-                put(collision, f"surface/friction/ode/{path}", numbers_text([friction]))
+            paths = ("surface/friction/ode/mu", "surface/friction/ode/mu2")
+            put_all(collision, paths, numbers_text([friction]))
         material = int(model.geom_matid[geom])
         colour = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
         if model.geom_group[geom] < _SEEN_GROUPS and colour[3]:
             visual = SubElement(link, "visual", name=f"{name}_seen")
             put(visual, "pose", pose_text(pose))
             visual.append(geometry)
-            for path in ("ambient", "diffuse"):
-                put(visual, f"material/{path}", numbers_text(colour))
+            put_all(visual, ("material/ambient", "material/diffuse"), numbers_text(colour))
 
     @cached_property
     def _touching(self) -> set[int]:
@@ -272,19 +275,20 @@ class _Reader:
         kinds, affinities = model.geom_contype, model.geom_conaffinity
         of_world = np.flatnonzero((model.geom_bodyid == 0) & ((kinds | affinities) != 0))
         grounds = [(int(kinds[geom]), int(affinities[geom])) for geom in of_world] or [(-1, -1)]
+        # Two shapes touch if the type of either is in the affinity of the other (bit masks); a <pair> touches anyway.
         met = [(kinds & affinity) | (affinities & kind) for kind, affinity in grounds]
         touching = np.flatnonzero(np.any(met, axis=0)).tolist()
         return {*touching, *model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
 
     def _geometry(self, geom: int, name: str, *, touches: bool) -> tuple[Element | None, Array]:
-        """Return the <geometry> of a shape, and its pose in that of MuJoCo; None for one that SDF does not have."""
+        """Return the <geometry> of a shape, and its pose in MuJoCo's shape; None for one that SDF does not have."""
         import mujoco
 
         kind = mujoco.mjtGeom(int(self._model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
         if kind == "mesh":
             return self._mesh(int(self._model.geom_dataid[geom]))
         geometry, size = Element("geometry"), self._model.geom_size[geom]
-        if kind == "box":
+        if kind == "box":  # MuJoCo has halves of sides and of lengths
             put(geometry, "box/size", numbers_text(2 * size))
         elif kind == "ellipsoid":
             put(geometry, "ellipsoid/radii", numbers_text(size))
@@ -353,6 +357,7 @@ class _Reader:
         put(made, "child", child)
         if kind == "ball":
             return
+        # Ranges and springs count from the angle 0 of MuJoCo, those of SDF from where the file has the robot, qpos0.
         at, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
         start = float(model.qpos0[at])
         put(made, "axis/xyz", numbers_text(model.jnt_axis[joint]))
@@ -391,12 +396,12 @@ class _Reader:
     def _followers(self) -> Iterator[str]:
         """Have joints follow others (<equality><joint>); yield the names of those that follow by a curve."""
         joints = {joint.get("name"): joint for joint in self._made.iter("joint")}
-        for number, name in enumerate(self._equality_names()):
-            pair = (int(self._model.eq_obj1id[number]), int(self._model.eq_obj2id[number]))
+        for index, name in enumerate(self._equality_names()):
+            pair = (int(self._model.eq_obj1id[index]), int(self._model.eq_obj2id[index]))
             if name != "joint" or min(pair) < 0:
                 continue
             follower, leader = (self._joint_names[joint] for joint in pair)
-            offset, multiplier, *curve = self._model.eq_data[number, :_CUBIC].tolist()
+            offset, multiplier, *curve = self._model.eq_data[index, :_CUBIC].tolist()
             if follower not in joints or leader not in joints:
                 continue
             if any(curve):
@@ -407,14 +412,14 @@ class _Reader:
 
 def motors(model: Any) -> dict[int, Motor]:
     """Return the motors of hinges and slides by the numbers of their joints; of several on a joint the strongest."""
-    found: dict[int, Motor] = {}
+    strongest: dict[int, Motor] = {}
     for actuator in range(model.nu):
         for joint, gear, is_alone in _moved(model, actuator):
             motor = _motor(model, actuator, joint, gear, is_alone=is_alone)
-            other = found.get(joint)
-            if other is None or (motor.torque or 0) > (other.torque or 0):
-                found[joint] = motor
-    return found
+            best = strongest.get(joint)
+            if best is None or (motor.torque or 0) > (best.torque or 0):
+                strongest[joint] = motor
+    return strongest
 
 
 def _moved(model: Any, actuator: int) -> Iterator[tuple[int, float, bool]]:
@@ -441,15 +446,17 @@ def _moved(model: Any, actuator: int) -> Iterator[tuple[int, float, bool]]:
 
 
 def _motor(model: Any, actuator: int, joint: int, gear: float, *, is_alone: bool) -> Motor:
+    """Return the motor that an actuator is for a joint, by the force f and the speeds in the module's docstring."""
     import mujoco
 
+    # Of an uneven range, such as -1..2, the larger end counts.
     gear = abs(gear)
     most = float(abs(model.actuator_ctrlrange[actuator]).max()) if model.actuator_ctrllimited[actuator] else None
     kind, bias = (int(kinds[actuator]) for kinds in (model.actuator_gaintype, model.actuator_biastype))
     biases = (mujoco.mjtBias.mjBIAS_NONE, mujoco.mjtBias.mjBIAS_AFFINE)
     is_linear = mujoco.mjtGain(kind) == mujoco.mjtGain.mjGAIN_FIXED and mujoco.mjtBias(bias) in biases
     gain = float(model.actuator_gainprm[actuator, 0])
-    _, spring, slope = (float(value) for value in model.actuator_biasprm[actuator, :3])
+    _, spring, slope = (float(value) for value in model.actuator_biasprm[actuator, :3])  # bias_0, bias_1, bias_2
     torques = []
     if model.actuator_forcelimited[actuator]:
         torques.append(gear * float(abs(model.actuator_forcerange[actuator]).max()))
@@ -458,10 +465,11 @@ def _motor(model: Any, actuator: int, joint: int, gear: float, *, is_alone: bool
     rate = None
     if most is not None and is_linear:
         if mujoco.mjtDyn(int(model.actuator_dyntype[actuator])) == mujoco.mjtDyn.mjDYN_INTEGRATOR:
-            rate = most / gear
+            rate = most / gear  # the control is the speed at which the servo's angle goes on
         elif not spring:
             dof = int(model.jnt_dofadr[joint])
             rubs, damping = float(model.dof_frictionloss[dof]), float(model.dof_damping[dof])
+            # The two bounds of the module's docstring, by the control and by the torque: the lesser counts.
             torques.append(gear * abs(gain) * most)
             slowed = ((torques[-1], damping - slope * gear**2), (min(torques), damping))
             rates = [(torque - rubs) / slowing for torque, slowing in slowed if slowing > 0]

@@ -91,9 +91,9 @@ def _refusal(message: str) -> str:
     problem, element, line = refused.groups()
     place = f"line {line}: <{element}>" if line != "0" else f"<{element}> in a file that it includes"
     if unknown := _UNKNOWN.fullmatch(problem):
-        what = f"its attribute {shown(unknown[1])}" if unknown[1] else "this element in this place"
+        part = f"its attribute {shown(unknown[1])}" if unknown[1] else "this element in this place"
         advice = "delete it if the file is for an older version; update MuJoCo if it is for a newer one"
-        return f"{place}: {reader} does not know {what}; {advice}"
+        return f"{place}: {reader} does not know {part}; {advice}"
     return f"{place}: {reader} does not read it: {problem}"
 
 
@@ -118,6 +118,7 @@ def _compiled_without_hulls(spec: Any) -> Any:
     """Return the compiled model: MuJoCo makes hulls of meshes that touch, which take most of its time, for nothing."""
     if spec.compiler.discardvisual:  # it would take out what does not touch
         return spec.compile()
+    # So nothing touches while it compiles, and what touches is put back into the compiled model.
     touching = [(geom, geom.contype, geom.conaffinity) for geom in spec.geoms]
     for geom, _, _ in touching:
         geom.contype = geom.conaffinity = 0
@@ -174,6 +175,7 @@ def _take_out_unneeded(spec: Any, folder: Path, where: str) -> tuple[str, ...]:
 
     FileError if a mesh is missing that touches, or of which a mass is computed.
     """
+    # Textures and lights are for pictures that nobody makes of this model, and their files may be missing.
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
     for unneeded in [*spec.textures, *spec.lights]:
@@ -187,6 +189,7 @@ def _take_out_unneeded(spec: Any, folder: Path, where: str) -> tuple[str, ...]:
     for geom in list(spec.geoms):
         if geom.meshname not in missing:
             continue
+        # NaN: the file gives no mass, so the density counts.
         weightless = geom.parent.explicitinertial or geom.mass == 0 or (isnan(geom.mass) and geom.density == 0)
         if geom.contype or geom.conaffinity or not weightless:
             why = "of a collision shape" if geom.contype or geom.conaffinity else "that gives a body its mass"
@@ -204,6 +207,7 @@ def _uri_and_pose(model: Any, mesh: int, source: Any, folder: Path) -> tuple[str
     MuJoCo subtracts `refpos`, turns by the inverse of `refquat`, scales, and moves the result to its centre and axes. A
     mesh without a file that others read, or turned and scaled unequally, stands in the model.
     """
+    # `turn` is the inverse of refquat. SDF scales first and then turns, which gives another mesh if scales are unequal.
     start = int(model.mesh_pathadr[mesh])
     file = folder / model.paths[start:].split(b"\0", 1)[0].decode("utf-8", "replace") if start >= 0 else folder
     turn, scale = turn_of(source.refquat).T, np.array(source.scale)

@@ -1,4 +1,4 @@
-"""The push of wheels and tracks: the torque of their motors, their friction, and in Gazebo Classic their inertia."""
+"""Limits of the push of wheels and tracks: their motors' torque, their friction, in Gazebo Classic their inertia."""
 
 from __future__ import annotations
 
@@ -92,6 +92,7 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
     Gazebo Classic's drive writes the speed of a wheel in each step, which so has the momentum I v / r to give to the
     ground: a force of I v / (r^2 t) in a step of t seconds.
     """
+    # The moment of each wheel about its axis, a . T a, with its tensor T turned into the model's frame.
     moments = []
     for joint in drive.joints:
         link = frames.child(joint)

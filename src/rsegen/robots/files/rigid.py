@@ -22,7 +22,7 @@ from rsegen.robots.files.sdf_elements import (
     NAMES_A_PART,
     Mass,
     append_inertial,
-    pose_text,
+    put_pose,
     sum_of_masses,
 )
 from rsegen.robots.files.sdf_shapes import ModelFrames, inertia_tensor, inertials
@@ -40,6 +40,7 @@ def make_one(model: Element, frames: ModelFrames, apart: Collection[str]) -> Non
 
     apart: links that stay what they are, such as tracks
     """
+    # Shapes and masses move first, by the places of the links; then links and joints go, and names are mended.
     above = _fixed(frames, apart)
     parts: dict[str, list[str]] = {}
     for link, _ in frames.links():
@@ -67,11 +68,11 @@ def _fixed(frames: ModelFrames, apart: Collection[str]) -> dict[str, str]:
         for name, joint in frames.joints.items()
         if joint.get("type") == "fixed" and held_by[frames.child(name)] == 1
     }
-    above = {link: other for link, other in above.items() if {link, other} <= links}
+    above = {link: parent for link, parent in above.items() if {link, parent} <= links}
     # A fender on a track is no belt, so it becomes a part of what carries the track.
     carried = {link: above[link] for link in apart if link in above}
-    own = {link: head_of(other, carried) for link, other in above.items() if link not in apart}
-    return {link: other for link, other in own.items() if head_of(link, own) not in own}
+    own = {link: head_of(parent, carried) for link, parent in above.items() if link not in apart}
+    return {link: parent for link, parent in own.items() if head_of(link, own) not in own}  # no circles
 
 
 def head_of(link: str, above: Mapping[str, str]) -> str:
@@ -92,20 +93,17 @@ def _bodies(frames: ModelFrames) -> dict[str, tuple[Mass, Array]]:
 
 
 def _put_into(head: str, links: Collection[str], bodies: Mapping[str, tuple[Mass, Array]], frames: ModelFrames) -> None:
-    """Put the masses and shapes of links into one of them; shapes get names as Gazebo gives them to those of URDF."""
+    """Put the masses and shapes of links into one of them; shapes are named as Gazebo names those of lumped links."""
     body, inverse = frames.elements[head], np.linalg.inv(frames.transform(head))
     for inertial in body.findall("inertial"):
         body.remove(inertial)
     append_inertial(body, sum_of_masses((mass, inverse @ place) for mass, place in (bodies[link] for link in links)))
     for link in links:
         for shape in [part for part in frames.elements[link] if part.tag in _SHAPES and link != head]:
-            place = inverse @ frames.shape(link, shape)
-            for pose in shape.findall("pose"):
-                shape.remove(pose)
-            shape.insert(0, pose := Element("pose"))
-            pose.text = pose_text(place)
-            names, name = {other.get("name") for other in body.findall(shape.tag)}, shape.get("name", "")
+            put_pose(shape, inverse @ frames.shape(link, shape))
+            # Two links may have shapes of one name: then the name of the link comes in between, and a number last.
+            taken, name = {part.get("name") for part in body.findall(shape.tag)}, shape.get("name", "")
             of_link = f"{head}{LUMPED}{link}_{name}"
-            own = chain([f"{head}{LUMPED}{name}", of_link], (f"{of_link}_{number}" for number in count(1)))
-            shape.set("name", next(own_name for own_name in own if own_name not in names))
+            names = chain([f"{head}{LUMPED}{name}", of_link], (f"{of_link}_{index}" for index in count(1)))
+            shape.set("name", next(free for free in names if free not in taken))
             body.append(shape)

@@ -104,7 +104,7 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
     """Return the drive of a model; None if it has none that is known, nor wheels."""
     if drive := _plugged(model, frames):
         return drive
-    # Joints of some may be left out, as they have no mass.
+    # Without a plug-in: controllers of ROS, whose joints may be left out as their links have no mass, ...
     whole = [
         controller
         for controller in ros.controllers
@@ -117,16 +117,17 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
             return drive
     if steered_wheels(frames, ros):
         return None
+    # ... then joints that take a velocity, then whatever looks like wheels.
     drive = _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
     return drive and drive._replace(origin=f"{drive.origin}{_of_others(whole) if not fitting else ''}")
 
 
 _NEAR = 0.05
-"""Share of a wheel's radius by which that of the right one of several files of controllers may differ."""
+"""Share of a wheel's radius by which the radius in a controller's file may differ, if there are several files."""
 
 
 def _fitting(controllers: Sequence[Controller], wheels: Iterable[str], frames: ModelFrames) -> list[Controller]:
-    """Return the controllers that may be of a robot: of several files, those of its radius that drive all its wheels.
+    """Return the controllers that may belong to a robot; of several files, only with its radius and all its wheels.
 
     A package may have files for several robots whose joints are called alike.
     wheels: those that take a velocity
@@ -149,7 +150,7 @@ def _of_others(controllers: Sequence[Controller]) -> str:
 
 
 def _misfit(controller: Controller, frames: ModelFrames) -> float:
-    """Return how far the sizes of a controller are from those of its wheels, as a sum of shares; 0 if they agree.
+    """Return by which shares the sizes of a controller differ from its wheels' sizes, added up; 0 if they agree.
 
     A robot with one of several wheels has a file for each in its package.
     """
@@ -158,7 +159,7 @@ def _misfit(controller: Controller, frames: ModelFrames) -> float:
         (controller.radius, _radius(controller.left, frames), _AGREES),
         (controller.separation, float(abs(left - right)), _AS_FAR),
     )
-    shares = [(abs(said / own - 1), near) for said, own, near in sizes if said and own]
+    shares = [(abs(stated / own - 1), near) for stated, own, near in sizes if stated and own]
     return sum(share for share, near in shares if share > near)
 
 
@@ -186,7 +187,7 @@ def _drive_plugins(model: Element, frames: ModelFrames) -> dict[str, Element]:
 
 
 def _plugins(model: Element, frames: ModelFrames, scope: str = "") -> Iterator[Element]:
-    """Yield the plug-ins of a model, with the names that those of a nested one give as they are in the model."""
+    """Yield the plug-ins of a model and its nested models; names in them become names in the whole model."""
     for plugin in model.findall("plugin"):
         copy = deepcopy(plugin)
         for element in copy.iter() if scope else ():
@@ -248,6 +249,7 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Contro
     middles = {joint: _middle(frames.child(joint), frames) for joint in wheels}
     if not middles:
         return None
+    # A wheel is on a side if it is beyond half of the way from the middle to the outermost one.
     ys = [middle[1] for middle in middles.values()]
     centre, half = (min(ys) + max(ys)) / 2, (max(ys) - min(ys)) / 2
     from_front = sorted(wheels, key=lambda joint: -middles[joint][0])
@@ -258,7 +260,7 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Contro
 
 
 def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
-    """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
+    """Return the drive of wheels on joints along y; a missing size is measured; None if that is impossible.
 
     ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves
     """
@@ -304,6 +306,7 @@ def _limits_of_wheels(
 ) -> tuple[tuple[float | None, float | None], str]:
     """Return the maximum speed and turn rate of wheels, None if unknown, and their origin in words."""
     speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
+    # A speed that the controller lacks is the least limit of a wheel times its radius: by ROS, or of the joint itself.
     origins = own_source = [controller.where] if speed or turn else []
     own = [positive_number(frames.joints[joint], frames.where, "axis/limit/velocity") for joint in drive.joints]
     for source, limits in ((ros.rated_by, map(ros.rates.get, drive.joints)), ("its joints", own)):
@@ -322,16 +325,15 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     diameter = positive_number(plugin, frames.where, "wheel_diameter", "wheelDiameter")
     radius = positive_number(plugin, frames.where, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
     speed, turn = _limits(plugin, frames)
-    turn = turn or positive_number(plugin, frames.where, "max_velocity")  # of Gazebo Sim's, both m/s and rad/s
-    said = Controller("its plug-in", left, right, separation, radius, speed, turn)
-    read = _of_wheels(said, frames, Controls())
+    turn = turn or positive_number(plugin, frames.where, "max_velocity")  # Gazebo Sim limits m/s and rad/s by it
+    read = _of_wheels(Controller("its plug-in", left, right, separation, radius, speed, turn), frames, Controls())
     if read is None or not isinstance(read.drive, Wheels):
         return None
     return read._replace(drive=replace(read.drive, torque=positive_number(plugin, frames.where, *_TORQUES)))
 
 
 def _rolls(joint: str, frames: ModelFrames) -> bool:
-    """Return whether a joint is there, and turns about an axis across the model."""
+    """Return whether the model has a joint of this name, and its axis is across the model."""
     return _type(joint, frames) in TURNING and is_along_y(joint, frames)
 
 
@@ -351,7 +353,7 @@ def plugin_problem(model: Element, frames: ModelFrames, read: ReadDrive | None) 
 
     It names what the model has not, as it was changed or left out, or what does not turn about an axis across it.
     """
-    if read and read.plugin:
+    if read and read.plugin:  # its plug-in is used, but perhaps turned
         return _TURNED.format(", ".join(read.turned)) if read.turned else ""
     plugins = _drive_plugins(model, frames)
     joints = _of_all(side for plugin in plugins.values() for side in _joints(plugin))
@@ -392,6 +394,7 @@ def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
 
 def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of tracks that have a TrackController each; the longest of a side is the main one."""
+    # Each plug-in moves one belt and names no side, so the side of a link follows from its place.
     links = [link for link in _named(plugin, ["link"]) if link in frames.elements]
     ys = [float(_middle(link, frames)[1]) for link in links]
     centre = (min(ys, default=0) + max(ys, default=0)) / 2
@@ -421,15 +424,16 @@ def _size(link: str, frames: ModelFrames) -> list[float]:
 
 
 def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of tracks whose links are known; the body is the first link, if the plug-in names none.
+    """Return the drive of tracks whose links are known; the body is the first link, unless the plug-in names a link.
 
-    Nor if that is no link of the model: that of URDF may be a part of its base_footprint.
+    In URDF the link that a plug-in names may have become a part of its base_footprint.
     """
     if not left or not right or not {*left, *right} <= frames.elements.keys():
         return None
     body = _text(plugin.find("body"))
     if body not in frames.elements:
         body = next((name for name, _ in frames.links()), "")
+    # Left is known by the places of the links, as for wheels; the main track of a side comes first.
     middles = [_middle(link, frames) for link in (left[0], right[0])]
     if middles[0][1] < middles[1][1]:
         left, right = right, left
@@ -452,7 +456,7 @@ def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames:
     )
     speed, turn = _limits(plugin, frames)
     limits = _limit(SPEED, speed, frames), _limit(TURN, turn, frames)
-    separation_by, radius_by = ("its plug-in" if said else "its shapes" for said in (separation, height))
+    separation_by, radius_by = ("its plug-in" if stated else "its shapes" for stated in (separation, height))
     return ReadDrive("", drive, "", separation_by, radius_by, limits)
 
 

@@ -30,7 +30,7 @@ NAMES_A_PART = re.compile("joint|link|body", re.IGNORECASE)
 
 
 def part_name(part: str) -> str:
-    """Return the name of a part, LINK::COLLISION, for a reader: of one of a link that was lumped that of this link."""
+    """Return the name of a part, LINK::COLLISION, for a reader; a lumped link's part is named by that link alone."""
     lumped = re.search(f"{LUMPED}(.+?)_collision(_[0-9]+)?$", part)
     return lumped[1] if lumped else part
 
@@ -90,8 +90,8 @@ def sum_of_masses(parts: Iterable[tuple[Mass, Array]]) -> Mass:
     centre = np.sum([body.mass * body.centre for body in bodies], axis=0) / mass
     tensor = np.zeros((3, 3))
     for body in bodies:
-        way = body.centre - centre
-        tensor += body.tensor + body.mass * (way @ way * np.eye(3) - np.outer(way, way))
+        offset = body.centre - centre
+        tensor += body.tensor + body.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
     return Mass(mass, centre, tensor)
 
 
@@ -121,6 +121,22 @@ def pose_text(transform: Array) -> str:
     return numbers_text([*transform[:3, 3], *angles(transform[:3, :3])])
 
 
+def pose_in(element: Element) -> Element:
+    """Return the <pose> of an element, an empty one as its first part if it has none."""
+    pose = element.find("pose")
+    if pose is None:
+        pose = Element("pose")
+        element.insert(0, pose)
+    return pose
+
+
+def put_pose(element: Element, transform: Array) -> None:
+    """Give an element a pose, (4, 4), in the frame that SDF has for it by default, in place of any other."""
+    for pose in element.findall("pose"):
+        element.remove(pose)
+    pose_in(element).text = pose_text(transform)
+
+
 def numbers_text(values: Iterable[float]) -> str:
     """Return numbers with twelve digits, more than files have: a small wheel has moments of 1e-7 kg m^2."""
     return " ".join(f"{value + 0.0:.12g}" for value in values)
@@ -133,7 +149,7 @@ def put_all(element: Element, paths: Iterable[str], text: str) -> None:
 
 
 def put(element: Element, path: str, text: str) -> None:
-    """Set the text of the element at a path in another, which is made if there is none."""
+    """Set the text of the element at a path in another; elements of the path that are missing are made."""
     for tag in path.split("/"):
         inner = element.find(tag)
         element = SubElement(element, tag) if inner is None else inner

@@ -2,9 +2,9 @@
 
 The model is kept as text, as SDF whatever it was. Its drive, size and limits are read once; for a world it gets a drive
 plug-in of the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the
-simulator has not. Joints that nothing drives are held (holding.py). URIs of meshes become absolute paths first, as the
-world is written elsewhere. What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that
-are not found, and what breaks those two (docs/robots.md).
+simulator lacks. Joints that nothing drives are held (holding.py). URIs of meshes become absolute paths first, as the
+world is written elsewhere. Included models become a part of it (includes.py). What breaks it: meshes in packages that
+are not found, and what breaks holding.py and includes.py (docs/robots.md).
 """
 
 from __future__ import annotations
@@ -89,15 +89,16 @@ _LARGEST_TURN = 3.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SdfRobot(RobotOnField):
-    """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
+    """A robot from a file: its name, its <model> as text, its drive, and the origins of its size and limits.
 
-    read_drive: its drive, None if it has neither wheels nor tracks that are known: then it cannot be driven, and
-    stands; joints: those that could be wheels; steered: those of wheels that are steered, if it has no drive; steering:
-    the joints that steer them, also if the user names others as its wheels; undriven: why its plug-in is not used, if
-    it has no drive; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above
-    the lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from
-    nowhere; remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow
-    others as they should, and packages that are not found.
+    read_drive: its drive, None if no wheels or tracks are known: then it cannot be driven, and stands
+    joints: the joints that could be wheels
+    steered, steering: joints of steered wheels, if it has no drive; the joints that steer wheels, also in a drive on
+        wheels that the user names
+    undriven: why its plug-in is not used, if it has no drive
+    size, lift: of a box around its origin that holds its collision shapes; of its origin above the lowest of them; m
+    derived, assumed: which of size, speed and turn are from the model, and which are only assumed
+    remarks: a sentence each about parts of the file that were left out, changed or are wrong
     """
 
     kind: str
@@ -129,6 +130,7 @@ class SdfRobot(RobotOnField):
     @property
     def drive(self) -> Drive:
         """The drive with its maximum speed and turn rate; ParameterError if none is known."""
+        # Steered wheels are known, but turn no robot by a difference of sides; unknown wheels the user may name.
         if self.read_drive is None and self.steered:
             raise ParameterError(
                 self.kind,
@@ -206,6 +208,7 @@ class SdfRobot(RobotOnField):
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
         """Return the command for speed v forward, m/s, and turn rate w, rad/s."""
         drive = self.drive
+        # Classic's plug-in takes w / spread as an angle, which has to stay below pi.
         if simulator == "classic" and isinstance(drive, Wheels):
             most = _LARGEST_TURN * drive.spread
             w = max(-most, min(most, w))
@@ -240,7 +243,7 @@ class SdfRobot(RobotOnField):
 
     @property
     def _driven(self) -> ReadDrive | None:
-        """Its drive as it was read, with its maximum speed and turn rate."""
+        """The drive as it was read, with the robot's maximum speed and turn rate."""
         return self.read_drive._replace(drive=self.drive) if self.read_drive else None
 
     def _hold(self, model: Element) -> tuple[str, ...]:
@@ -273,7 +276,7 @@ class SdfRobot(RobotOnField):
             yield f"{self.kind}: {NO_MIMIC}: {some_of(unled)}"
 
     def _refuse_inline_meshes(self, model: Element) -> None:
-        """Raise a FileError if a shape that touches has its mesh in the model itself; take out what is only seen."""
+        """Take out visuals whose meshes are in the model itself; raise a FileError for such a collision shape."""
         take_out(model, "visual", lambda visual: visual.findtext("geometry/mesh/uri", "").startswith(INLINE))
         if any(uri.startswith(INLINE) for uri in (mesh.findtext("uri", "") for mesh in model.iter("mesh"))):
             raise FileError(
@@ -306,7 +309,7 @@ class SdfRobot(RobotOnField):
 
 @lru_cache(maxsize=16)
 def _body_of(robot: SdfRobot) -> Body:
-    """Return the body of a robot; of one whose drive is not known, whatever hangs on a joint that turns drives."""
+    """Return the body of a robot; if its drive is unknown, all links on joints that turn count as driving."""
     frames, read = robot.frames(), robot.read_drive
     driven = read.drive.links(frames.child) if read else set(map(frames.child, robot.joints))
     return body_of_model(frames, driven, lift=robot.lift, length=robot.size[0], speed=robot.driving_speed)
@@ -326,22 +329,23 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     wheels as LEFT,RIGHT; tracks: the links of its tracks; several of a side joined by +, the flippers of a track after
     it. They are for a model that does not say it, or says it otherwise.
     """
+    # Whatever the format is, it becomes one <model> of SDF, whole and with names that are known.
     where, arguments = with_arguments(path) if isinstance(path, str) else (os.fspath(path), {})
     text = text_of(Path(where), MAX_ROBOT_MIB, "a robot")
     root = xml_root(text, where)
     remarks: list[str] = []
     if is_xacro(root, where):
-        text, missing = expanded(text, where, arguments)
+        text, unfound = expanded(text, where, arguments)
         root = xml_root(text, where)
         if root.tag == "robot" and root.find("link") is None:
             raise FileError(f"{where}: has macros and no <link>; use the file of the robot that includes it")
-        remarks += [f"left out what it includes of packages that are not found: {some_of(missing)}"] if missing else []
+        remarks += [f"left out what it includes of packages that are not found: {some_of(unfound)}"] if unfound else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     source, ros = _as_sdf(root, where, *(re.split(r"[,+]", named or "") for named in (wheels, tracks)))
     remarks += ros.remarks
     model, version = _model_and_version(source.sdf, where)
-    includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
+    includes = Includes(_included_model)
     includes.put_into(model, Path(where))
     model.attrib.pop("placement_frame", None)  # rsegen places the model by its origin
     spell_types(model)
@@ -353,7 +357,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     resolve_uris(model, Path(where))
     if flat := take_out_flat(model, where):
         remarks.append(f"left out, as these collision shapes have no size: {some_of(flat)}")
-    # Places and shapes come first: what the drive's plug-in does not say is measured on them.
+    # Then places and shapes, and on these the drive: what its plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     refuse_unknown(frames, is_whole=not missing)
     hang_on_links(frames)
@@ -369,6 +373,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
         remarks += filter(None, [slippery_wheels(drive.drive, frames), yielding_wheels(drive.drive, frames)])
+    # Last, sentences about all that a user should know, and the figures of the robot, measured or assumed.
     problem = plugin_problem(model, frames, drive)
     remarks += [problem] if drive and problem else []
     steering = {} if drive and not wheels else steered_wheels(frames, ros)
@@ -376,8 +381,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
-        problem.format(some_of(names))
-        for names, problem in (
+        sentence.format(some_of(names))
+        for names, sentence in (
             (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (ties_to_world(model) if drive else (), "held in the world in its file by {}, and moves freely in a drive"),
             (weighed, "weighed by the densities of their shapes, as Gazebo Sim does: {}"),
@@ -419,24 +424,24 @@ def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[s
     return Converted(root), Controls()
 
 
-def _sdf_root(file: Path) -> Element:
-    return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
+def _included_model(file: Path) -> Element:
+    return _model_and_version(xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file)), str(file))[0]
 
 
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
-    parts = root.findall("include")
-    if root.tag == "sdf" and not models and len(parts) == 1:  # a file that only names a model
-        models = [SubElement(root, "model", name=(parts[0].findtext("name") or Path(where).stem).strip())]
-        parts[0].set("merge", "true")
-        models[0].append(parts[0])
+    includes = root.findall("include")
+    if root.tag == "sdf" and not models and len(includes) == 1:  # a file that only names a model
+        models = [SubElement(root, "model", name=(includes[0].findtext("name") or Path(where).stem).strip())]
+        includes[0].set("merge", "true")
+        models[0].append(includes[0])
     if root.find("world") is not None:
         raise FileError(f"{where}: a world; use the SDF file of the robot alone, with one <model> in <sdf>")
     if root.tag != "sdf" or len(models) != 1:
         name = shown(root.tag)[1:-1]
-        here = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"
-        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {here}")
+        content = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {content}")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name; name it, or pass the file of the robot that includes it")
     if any(models[0].find(path) is not None for path in _OF_URDF):
@@ -475,9 +480,9 @@ def _derived(robot: SdfRobot) -> str:
     if read:
         limits_by = read.limits_by
         drive = read.drive
-        what = "wheels" if isinstance(drive, Wheels) else "tracks"
+        parts = "wheels" if isinstance(drive, Wheels) else "tracks"
         sides = ",".join(drive.side_names)
-        phrases.append(f"its {what} are {sides} by {read.origin}, {read.sizes_in_words}")
+        phrases.append(f"its {parts} are {sides} by {read.origin}, {read.sizes_in_words}")
     values = {
         "size": f"size {' x '.join(f'{side:.3f}' for side in robot.size)} m around its origin",
         "speed": f"speed {robot.speed:.4g} m/s",

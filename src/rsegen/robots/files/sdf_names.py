@@ -1,7 +1,7 @@
-"""Names and types in a model of SDF that Gazebo refuses, and what holds a model in the world.
+"""Names and types in a model of SDF that Gazebo refuses, and the joints that hold a model in the world.
 
-A joint of a link that is not there, a pose relative to no frame, or a type that is none would else be read as another
-robot, without a word. What breaks it: names in a model of which parts are left out, as they are not found.
+A joint of a missing link, a pose relative to a missing frame, or an unknown type would else be read as another robot,
+without a word. What breaks it: names in a model of which parts are left out, as they are not found.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ def refuse_unknown(frames: ModelFrames, *, is_whole: bool) -> None:
         scope = name.rpartition("::")[0]
         for tag in ("parent", "child"):
             own = (joint.findtext(tag) or "").strip()
+            # The world is in no nested model, so a name counts without its scope too.
             if not own or not {own, _frame(scope, own)} & known:
                 problem = f"there is no link {shown(own)}" if own else f"it has no <{tag}>"
                 raise FileError(f"{frames.where}: joint {shown(name)}: {problem}")
@@ -64,12 +65,12 @@ def _references(frames: ModelFrames) -> Iterator[tuple[str, str, str]]:
 
 
 def _frame(scope: str, name: str) -> str:
-    """Return the name of a frame in the whole model; that of a nested model is the model's."""
+    """Return the name of a frame in the whole model; the __model__ of a nested model is called as that model."""
     return in_scope(scope, name).removesuffix("::__model__")
 
 
 def ties_to_world(model: Element) -> list[str]:
-    """Return what holds a model, or one nested in it, in the world, in words."""
+    """Return what holds a model, or a nested one, in the world: "<static>", and joints by name."""
     is_static = any(is_true(static.text) for _, static in _statics(model))
     pins = (f"joint {joint.get('name')}" for _, joint in _to_the_world(model))
     return [*(["<static>"] if is_static else []), *pins]
@@ -108,5 +109,5 @@ def _to_the_world(model: Element) -> list[tuple[Element, Element]]:
 
 
 def _used(model: Element) -> set[str]:
-    """Return the names of frames, without those of their models, that a model names."""
+    """Return the last parts of all names of frames that a model refers to."""
     return {part.get(name, "").rpartition("::")[2] for part in model.iter() for name in (*_REFERENCES, "frame")}

@@ -23,7 +23,7 @@ from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.poses import pose_matrix, rotation
 from rsegen.robots.files.meshes import INLINE, SUFFIXES, bounds, mesh_corners
-from rsegen.robots.files.sdf_elements import is_true, unit_axis
+from rsegen.robots.files.sdf_elements import is_true, pose_in, unit_axis
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -42,11 +42,11 @@ _SWOLLEN = 10.0
 seen of a link may be somewhat larger than what touches."""
 
 _NOISE = 1e-9
-"""Share of the largest moment up to which a negative one is zero: that of a rod, after rounding in the eigenvalues."""
+"""Share of the largest moment up to which a negative one is zero, such as a rod's after rounding in the eigenvalues."""
 
 
 class ModelFrames:
-    """The links, frames and nested models of a model by name, and its joints; those of a nested one are NESTED::NAME.
+    """The links, frames, nested models and joints of a model by name; in a nested model names are NESTED::NAME.
 
     A joint may have the name of a link in older files.
     FileError, which begins with `where`, if a pose is not numbers or is relative to itself.
@@ -92,6 +92,7 @@ class ModelFrames:
 
     def attached(self, name: str) -> str:
         """Return the link that a frame, a joint or a nested model is attached to; of a link, or nothing, its name."""
+        # One step per turn: from a joint to its child, from a model to its canonical link, from a frame to its base.
         for _ in range(_DEEPEST):
             scope, _, own = name.rpartition("::")
             element = self.elements.get(name)
@@ -125,11 +126,11 @@ class ModelFrames:
         """Return the pose of an element in the model's frame, (4, 4); of a shape, `name` is its link's."""
         scope, _, own = name.rpartition("::")
         pose = element.find("pose")
-        other = "" if pose is None else pose.get("relative_to", pose.get("frame", ""))
-        if not other:  # a joint is relative to its child, a frame to what it is attached to, a shape to its link
-            child, base = (element.findtext("child") or "").strip(), element.get("attached_to", "")
-            other = {"joint": child, "frame": base, "collision": own, "visual": own}.get(element.tag, "")
-        base = scope if other in ("", "__model__") else in_scope(scope, other)
+        base_name = "" if pose is None else pose.get("relative_to", pose.get("frame", ""))
+        if not base_name:  # a joint is relative to its child, a frame to what it is attached to, a shape to its link
+            child, attached = (element.findtext("child") or "").strip(), element.get("attached_to", "")
+            base_name = {"joint": child, "frame": attached, "collision": own, "visual": own}.get(element.tag, "")
+        base = scope if base_name in ("", "__model__") else in_scope(scope, base_name)
         return self.transform(base, depth + 1) @ self.local(element)
 
     def local(self, element: Element) -> Array:
@@ -153,6 +154,7 @@ class ModelFrames:
         axis = Element("axis") if axis is None else axis
         direction, scope = axis.find("xyz"), joint.rpartition("::")[0]
         xyz = [0.0, 0.0, 1.0] if direction is None else floats(direction.text, 3, self.where)
+        # By default an axis is in the frame of its joint; a flag of SDF 1.5 and 1.6 puts it into the model's.
         frame = "" if direction is None else direction.get("expressed_in", "")
         if is_true(axis.findtext("use_parent_model_frame")):
             frame = "__model__"
@@ -186,11 +188,8 @@ def hang_on_links(frames: ModelFrames) -> None:
             link = frames.attached(in_scope(scope, own)).removeprefix(f"{scope}::" if scope else "")
             if link == own:
                 continue
-            if end.tag == "child":  # whose frame is that of the joint
-                pose = joint.find("pose")
-                if pose is None:
-                    pose = Element("pose")
-                    joint.insert(0, pose)
+            if end.tag == "child":  # in whose frame the joint is, so its pose has to name that frame from now on
+                pose = pose_in(joint)
                 if not pose.get("relative_to", pose.get("frame", "")):
                     pose.set("relative_to", own)
             end.text = link
@@ -209,7 +208,7 @@ def floats(text: str | None, count: int, where: str) -> list[float]:
 
 
 def positive_number(element: Element, where: str, *paths: str) -> float | None:
-    """Return the first number that stands in one of these elements; None if there is none, or it is not positive."""
+    """Return the number in the first of these elements that exists; None without one, or if it is not positive."""
     text = next((text for path in paths if (text := element.findtext(path))), None)
     try:
         value = floats(text, 1, where)[0]
@@ -242,7 +241,7 @@ def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     if not length:
         raise FileError(f"{where}: the quaternion 0 0 0 0 is no rotation")
     x, y, z, w = (part / length for part in (x, y, z, w))
-    return np.array(
+    return np.array(  # the rotation matrix of a unit quaternion
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -292,15 +291,15 @@ def swollen_inertias(frames: ModelFrames, but: Collection[str]) -> list[str]:
     A body within half a diagonal R of its centre has at most m R^2. Files have thousands of times that, by a mistake in
     units or by a default, and such a robot takes seconds to tip by a degree.
     """
-    masses, shapes, found = inertials(frames), frames.shapes, []
+    masses, shapes, swollen = inertials(frames), frames.shapes, []
     left_out = {*but, *links_by_default(frames)}
     for link, element in frames.links():
         extent = shapes.of(link)
         if extent is not None and link not in left_out:
             size, largest = extent.high - extent.low, np.linalg.eigvalsh(inertia_tensor(link, element, frames))[2]
             if largest > _SWOLLEN * masses[link].mass * (size @ size) / 4:
-                found.append(link)
-    return found
+                swollen.append(link)
+    return swollen
 
 
 def is_impossible(tensor: Array) -> bool:
@@ -344,9 +343,9 @@ class Extent(NamedTuple):
 
 
 class Extents(NamedTuple):
-    """Boxes of the collision shapes whose size is known, by link, and the names of the links that have others too.
+    """Boxes of the collision shapes whose size is known, by link; `unknown`: links with a shape of unknown size.
 
-    whole: the box of all that are known, None if there is none
+    whole: the box of all shapes of known size, None without any
     """
 
     known: Mapping[str, Extent]
@@ -354,7 +353,7 @@ class Extents(NamedTuple):
     whole: Extent | None
 
     def of(self, link: str) -> Extent | None:
-        """Return the box of all shapes of one link; None if one is unknown, or there is none."""
+        """Return the box of all shapes of one link; None without shapes, or if the size of one is unknown."""
         return None if link in self.unknown else self.known.get(link)
 
 
@@ -377,7 +376,7 @@ def extents(frames: ModelFrames) -> Extents:
             problem = "is a <submesh>, which is not read; write it into a file of its own"
             raise FileError(f"{frames.where}: {part} {problem}")
         key = form_of(geometry)
-        solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)
+        solid = solids[key] = solids[key] if key in solids else _solid(geometry, frames.where)  # a file is read once
         if solid is None:
             unknown.add(link)
             continue
@@ -445,7 +444,7 @@ ROUND = ("sphere", "cylinder", "capsule", "cone")
 
 
 def radius_and_length(kind: Element, where: str) -> tuple[float, float]:
-    """Return the radius and the length of a round shape, metres; 0 for that of a sphere."""
+    """Return the radius and the length of a round shape, metres; a sphere has the length 0."""
     (radius,) = floats(kind.findtext("radius"), 1, where)
     return radius, 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0]
 

@@ -1,8 +1,8 @@
-"""Shapes of robots that a Gazebo lacks, or in which it is wrong, by those that it has.
+"""Replacements for shapes of robots that a Gazebo lacks, or simulates wrongly.
 
-Gazebo Classic does not open a world with a capsule: it is a cylinder with a ball at each end. An ellipsoid with one
-radius is a ball; others, and cones, it does not have: where they are only seen they are left out, and where they touch
-the robot is refused.
+Gazebo Classic does not open a world with a capsule, which becomes a cylinder with a ball at each end. An ellipsoid with
+equal radii is a ball; it has no other ellipsoids and no cones: visuals of these kinds are left out, and a robot with
+such a collision shape is refused.
 
 In Gazebo Sim's DART the edge of a mesh holds a ball: a caster of 5 mm, or of 15, stands at a step of 2 mm, which it
 climbs if the step is a box, or if the caster is a capsule. So balls that touch are capsules, of next to no length.
@@ -17,8 +17,8 @@ from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, shown
 from rsegen.geometry.poses import pose_matrix
-from rsegen.robots.files.sdf_elements import numbers_text, pose_text, put
-from rsegen.robots.files.sdf_shapes import floats, matrix_of
+from rsegen.robots.files.sdf_elements import numbers_text, pose_in, pose_text, put
+from rsegen.robots.files.sdf_shapes import floats, matrix_of, radius_and_length
 
 _COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 _BALL = re.compile(r"<sphere>\s*(<radius>[^<]*</radius>)\s*</sphere>")
@@ -28,7 +28,7 @@ MuJoCo."""
 
 
 def with_capsules(text: str, simulator: str) -> str:
-    """Return the text of a <model> for a simulator, in Gazebo Sim with capsules as the balls that touch."""
+    """Return the text of a <model> for a simulator; in Gazebo Sim balls that touch become capsules."""
     if simulator == "classic":
         return text
     return _COLLISION.sub(lambda collision: _BALL.sub(_CAPSULE, collision[0]), text)
@@ -48,10 +48,9 @@ def use_shapes_of_classic(model: Element, where: str) -> None:
 
 
 def _parts(shape: Element, kind: Element, where: str) -> Iterator[Element]:
-    """Yield the shapes that are one that Gazebo Classic lacks together."""
+    """Yield the shapes that together replace one that Gazebo Classic lacks."""
     if kind.tag == "capsule":
-        (radius,) = floats(kind.findtext("radius"), 1, where)
-        (length,) = floats(kind.findtext("length"), 1, where)
+        radius, length = radius_and_length(kind, where)
         if length:
             yield _shape(shape, where, "", 0, "cylinder", radius=radius, length=length)
             yield _shape(shape, where, "_top", length / 2, "sphere", radius=radius)
@@ -72,10 +71,7 @@ def _shape(shape: Element, where: str, suffix: str, up: float, kind: str, **size
     """Return a copy of a shape of this kind and sizes, with a suffix to its name, this far up its axis."""
     made = deepcopy(shape)
     made.set("name", made.get("name", "") + suffix)
-    pose = made.find("pose")
-    if pose is None:
-        pose = Element("pose")
-        made.insert(0, pose)
+    pose = pose_in(made)
     pose.text = pose_text(matrix_of(pose, where) @ pose_matrix((0, 0, up)))
     for attribute in ("degrees", "rotation_format"):
         pose.attrib.pop(attribute, None)

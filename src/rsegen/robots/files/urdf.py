@@ -1,11 +1,11 @@
-"""Turn URDF into SDF, so that a robot of ROS is read, placed and driven as one of Gazebo is.
+"""Turn URDF into SDF; a robot of ROS then is read, placed and driven as a robot of Gazebo is.
 
 It becomes what Gazebo makes of it (sdformat's parser_urdf): links that hang on fixed joints become one link with the
 first of them, which keeps its name, with their masses, shapes and sensors. So a base_footprint without a mass, of which
 physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
 its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
 is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
-model. Cost: linear. What breaks it: planar joints are refused; names of links that are no more stay in plug-ins.
+model. Cost: linear. What breaks it: planar joints are refused; plug-ins keep the names of links that were merged.
 """
 
 from __future__ import annotations
@@ -98,10 +98,10 @@ _UNLIMITED = 1e16
 
 
 class Converted(NamedTuple):
-    """The <sdf> element of a robot, and what of it is not as in its file.
+    """The <sdf> element of a robot, and its parts that differ from its file.
 
-    left_out: the names of its links that were left out, as they have no mass; mimics: those of its joints that should
-    follow another in a way that SDF does not have
+    left_out: names of links that were left out, as they have no mass; mimics: names of joints that should follow
+    another one in a way that SDF does not have
     """
 
     sdf: Element
@@ -168,6 +168,7 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
     _refuse_moments_of(masses, merged, where)
     left_out = _left_out(source, above, masses)
 
+    # Then one link of SDF for each head, with the parts of all links in it, and its joint.
     sdf = Element("sdf", version=LATEST_OF_CLASSIC)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
     for head, parts in merged.items():
@@ -204,25 +205,25 @@ def _named(elements: Iterable[Element], what: str, where: str) -> Iterator[tuple
 
 
 def _joint(name: str, joint: Element, links: Mapping[str, Element], where: str) -> _Joint:
-    here = f"{where}: joint {shown(name)}"
+    place = f"{where}: joint {shown(name)}"
     kind = joint.get("type", "")
     if kind not in _JOINTS:
-        raise FileError(f"{here}: its type {shown(kind)} is none of {', '.join(_JOINTS)}")
+        raise FileError(f"{place}: its type {shown(kind)} is none of {', '.join(_JOINTS)}")
     parent, child = (_attribute(joint.find(tag), "link") for tag in ("parent", "child"))
     for link in (parent, child):
         if link not in links:
             part = "if it is a part of a robot, use the file of the robot that includes it"
-            raise FileError(f"{here}: there is no link {shown(link)}; {part}")
-    return _Joint(name, kind, parent, child, joint, _origin(joint, here))
+            raise FileError(f"{place}: there is no link {shown(link)}; {part}")
+    return _Joint(name, kind, parent, child, joint, _origin(joint, place))
 
 
 def _above(joints: Iterable[_Joint], links: Mapping[str, Element], where: str) -> dict[str, _Joint]:
     """Return the joint above each link but the root."""
     above: dict[str, _Joint] = {}
     for joint in joints:
-        other = above.setdefault(joint.child, joint)
-        if other is not joint:
-            names = f"{shown(other.name)} and {shown(joint.name)}"
+        first = above.setdefault(joint.child, joint)
+        if first is not joint:
+            names = f"{shown(first.name)} and {shown(joint.name)}"
             raise FileError(f"{where}: link {shown(joint.child)} is the child of two joints, {names}")
     if not links:
         raise FileError(f"{where}: the robot has no <link>")
@@ -243,7 +244,7 @@ def _from_the_root_on(above: Mapping[str, _Joint], links: Mapping[str, Element],
     while waiting:
         order.append(waiting.pop())
         waiting += sorted(below[order[-1]], key=lambda name: above[name].name, reverse=True)
-    lost = links.keys() - set(order)
+    lost = links.keys() - set(order)  # not reached from the root
     if lost:
         raise FileError(f"{where}: the joints above link {shown(min(lost))} form a loop")
     return order
@@ -260,13 +261,13 @@ def _heads(
     heads: dict[str, str] = {}
     for name in order:
         joint = above.get(name)
-        kept = joint is None or joint.kind != "fixed" or joint.parent == order[0] == _WORLD
-        if joint and not kept and bodies[name].mass:
+        is_separate = joint is None or joint.kind != "fixed" or joint.parent == order[0] == _WORLD
+        if joint and not is_separate and bodies[name].mass:  # one without a mass always becomes a part
             of_joint = extensions.get(joint.name, {}) if bodies[joint.parent].mass else {}
-            kept = name in separate or any(
+            is_separate = name in separate or any(
                 is_true(_value(element)) for tag in _KEEPS for element in of_joint.get(tag, ())
             )
-        heads[name] = name if joint is None or kept else heads[joint.parent]
+        heads[name] = name if joint is None or is_separate else heads[joint.parent]
     return heads
 
 
@@ -345,11 +346,12 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
 
 def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) -> Element:
     """Return a <collision> or <visual> of a link of URDF, which is at a place, (4, 4), in the link `head` of SDF."""
-    here = f"{source.where}: link {shown(name)}: a <{shape.tag}>"
+    # In sdformat a shape without a name is called as its link; in a lumped link, or with a name, the head comes first.
+    place_in_file = f"{source.where}: link {shown(name)}: a <{shape.tag}>"
     lump = f"{head}{LUMPED}" if name != head or shape.get("name") else ""
     made = Element(shape.tag, name=f"{lump}{shape.get('name') or name}_{shape.tag}")
-    put(made, "pose", pose_text(place @ _origin(shape, here)))
-    made.append(_geometry(shape.find("geometry"), here))
+    put(made, "pose", pose_text(place @ _origin(shape, place_in_file)))
+    made.append(_geometry(shape.find("geometry"), place_in_file))
     more = source.last(name, shape.tag)
     if more is not None:
         made.extend(deepcopy(child) for child in more if child.tag not in ("pose", "geometry"))
@@ -378,7 +380,7 @@ def _append_material(visual: Element, material: Element | None, name: str, sourc
 
 
 def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
-    """Append a joint, whose frame is that of its child, as in SDF."""
+    """Append a joint; its frame is its child's, as SDF has it by default, so it gets no pose."""
     made = SubElement(model, "joint", name=joint.name, type=_JOINTS[joint.kind])
     put(made, "parent", source.heads[joint.parent])
     put(made, "child", joint.child)
@@ -409,7 +411,7 @@ def _append_axis(made: Element, joint: _Joint, where: str) -> None:
 
 
 def _geometry(geometry: Element | None, where: str) -> Element:
-    """Return the <geometry> of SDF for that of URDF."""
+    """Return the <geometry> of SDF for a <geometry> of URDF."""
     shape = next((child for child in geometry if child.tag in _GEOMETRIES), None) if geometry is not None else None
     if shape is None:
         raise FileError(f"{where} has none of the shapes {', '.join(_GEOMETRIES)}")
@@ -435,7 +437,7 @@ def _placed(extension: Element, place: Array, where: str) -> Element:
 
 
 def _origin(element: Element, where: str) -> Array:
-    """Return the <origin> of an element, (4, 4); URDF's roll, pitch and yaw are those of SDF."""
+    """Return the <origin> of an element, (4, 4); URDF and SDF have the same roll, pitch and yaw."""
     origin = element.find("origin")
     xyz, rpy = (floats(_attribute(origin, name) or "0 0 0", 3, where) for name in ("xyz", "rpy"))
     return pose_matrix(xyz, rotation(*rpy))

@@ -63,10 +63,10 @@ def resolve_uris(model: Element, file: Path) -> None:
 
 
 def _advice(uri: str, file: Path) -> str:
-    """Return what makes a URI found that is not: the file, or its package."""
-    scheme, separator, rest = uri.partition("://")
+    """Return how a URI that is not found can be found: by the file, or by its package."""
+    scheme, separator, path = uri.partition("://")
     if separator and scheme in ("model", "package"):
-        name, _, inner = rest.lstrip("/").partition("/")
+        name, _, inner = path.lstrip("/").partition("/")
         folder = found_package(name, file)
         if folder is None:
             return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
@@ -99,7 +99,7 @@ def installed(path: Path) -> Path:
     inner, folders = path.relative_to(package), []
     with suppress(OSError), os.scandir(package) as entries:
         folders = sorted(entry.path for entry in islice(entries, _MOST_FOLDERS) if entry.is_dir())
-    return next((found for folder in folders if os.path.exists(found := Path(folder, inner))), path)
+    return next((place for folder in folders if os.path.exists(place := Path(folder, inner))), path)
 
 
 class Manifest(NamedTuple):
@@ -117,7 +117,7 @@ def manifest_of(package: Path) -> Manifest:
 
 
 def belong_together(package: Path, other: Path) -> bool:
-    """Return whether two packages are of one robot.
+    """Return whether two packages belong to one robot.
 
     They are in one clone of a repository, one depends on the other, or their names begin alike, as those of
     rover_description and rover_control do.
@@ -163,28 +163,28 @@ def packages_around(file: Path) -> Iterator[Path]:
 
 
 def found_uri(uri: str, file: Path) -> Path | None:
-    """Return the path of an existing file that a URI names, None if there is none."""
-    scheme, separator, rest = uri.partition("://")
+    """Return the path of the file that a URI names, None if no such file is found."""
+    scheme, separator, path = uri.partition("://")
     candidates: Iterable[Path] = ()
     if separator and scheme in ("model", "package"):
-        candidates = _of_package(rest.lstrip("/"), file)
+        candidates = _of_package(path.lstrip("/"), file)
     elif uri and separator and scheme == "file":
-        candidates = [file.absolute().parent / rest]
+        candidates = [file.absolute().parent / path]
     elif uri and not separator:  # next to the file, or in a model, as PX4's include each other
         candidates = chain([file.absolute().parent / uri], _of_package(uri, file))
     return next(filter(os.path.exists, candidates), None)  # False for a name that is too long
 
 
-def _of_package(rest: str, file: Path) -> Iterator[Path]:
-    """Yield the paths at which NAME/... may be."""
-    name, _, inner = rest.partition("/")
+def _of_package(path: str, file: Path) -> Iterator[Path]:
+    """Yield the places at which NAME/... may be, in the order of the module's docstring."""
+    name, _, inner = path.partition("/")
     for folder in list(file.absolute().parents)[:_HIGHEST]:
         if folder.name == name:
             yield folder / inner
-        yield folder / rest
+        yield folder / path
     for variable in _PATHS:
-        yield from (Path(folder, rest) for folder in _listed(variable))
-    yield from (Path(prefix, "share", rest) for prefix in _listed(_PREFIXES))
+        yield from (Path(folder, path) for folder in _listed(variable))
+    yield from (Path(prefix, "share", path) for prefix in _listed(_PREFIXES))
     for folder in packages_around(file):
         if manifest_of(folder).name == name:
             yield installed(folder / inner)

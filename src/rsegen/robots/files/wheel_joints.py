@@ -1,4 +1,4 @@
-"""Find the joints of wheels by what they turn: round, on the ground, on an endless joint across; and what steers them.
+"""Find the joints of wheels by what they turn: round, on the ground, on an endless joint across; and their steering.
 
 Nothing names wheels here: a joint is judged by its limits, its axis, the shapes of its link, and the joints between it
 and the body. What breaks it: shapes of unknown size.
@@ -48,6 +48,7 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
     """
     if not frames.shapes.whole:
         return {}
+    # Two sorts steer: joints that are no free swivels above a wheel, and joints on which the wheel itself turns.
     above = frames.holders()
     across = {name for name, joint in frames.joints.items() if is_endless(joint) and is_along_y(name, frames)}
 
@@ -79,13 +80,14 @@ def steered_wheels(frames: ModelFrames, ros: Controls) -> dict[str, str]:
 
 
 def _swivels(joint: str, frames: ModelFrames) -> bool:
-    """Return whether a joint turns what it carries to the left and the right, as that of a caster or a steering."""
+    """Return whether a joint turns what it carries to the left and the right, as in a caster or a steering."""
     turns = frames.joints[joint].get("type") in TURNING
     return turns and bool(abs(frames.axis(joint)[2]) >= UPRIGHT)
 
 
 def _trails(wheel: str, swivel: str, radius: float, frames: ModelFrames) -> bool:
-    """Return whether the middle of a wheel is away from the axis on which it swivels, but for along its axle."""
+    """Return whether the middle of a wheel is behind or in front of the axis on which it swivels."""
+    # The distance of the two axes, which is along the normal of both; an offset along the axle does not count.
     away = frames.joint(wheel)[:3, 3] - frames.joint(swivel)[:3, 3]
     across = np.cross(frames.axis(wheel), frames.axis(swivel))
     return bool(abs(away @ across) > _TRAIL * radius * np.linalg.norm(across))
@@ -97,7 +99,7 @@ def is_along_y(joint: str, frames: ModelFrames) -> bool:
 
 
 def rolling_joints(joints: Iterable[str], frames: ModelFrames) -> list[str]:
-    """Return the joints that are endless, along y, and not on one that turns about an upright axis, as a caster is.
+    """Return the joints that are endless, along y, and not carried by a swivel, as the wheel of a caster is.
 
     Nor do they carry another of them, as the joints of an arm do.
     """
@@ -105,6 +107,7 @@ def rolling_joints(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     swivels: dict[str, bool] = {}  # whether a link is turned about an upright axis
 
     def is_swivelling(link: str) -> bool:
+        # Up to the first link that is known, and back: each link is asked once, however many joints it carries.
         way = []
         while link in above and link not in swivels:
             swivels[link] = False  # until more is known; it ends a circle

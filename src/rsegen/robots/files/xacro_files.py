@@ -1,10 +1,10 @@
 """Expand Xacro, the macro language of ROS's robots, by ROS's package xacro, in another process.
 
-Xacro evaluates Python, and what it forbids is not enough to keep a file from running code. Here an expression may be
-arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
-found as that of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots include
-the macros of sensors that most of them do not carry. Elements are counted, as macros may call themselves, and the
-process and each expression have little time and memory. What breaks it: lambdas and comprehensions;
+Xacro evaluates Python, and its own restrictions do not keep a file from running code. Here an expression may be
+arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS. A package in $(find ...) is
+found as the package of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots
+include the macros of sensors that most of them do not carry. Elements are counted, as macros may call themselves, and
+the process and each expression have little time and memory. What breaks it: lambdas and comprehensions;
 `xacro FILE > r.urdf` expands them.
 """
 
@@ -126,6 +126,7 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
         raise FileError(f"{where}: {_without_prefix(bare)}")
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
+    # The process prints the result or the reason; one that broke a limit was ended by the signal of that limit.
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
     try:
         ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
@@ -152,16 +153,16 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
 
 
 def _why(ended: subprocess.CompletedProcess[str]) -> str:
-    """Return why a process has expanded nothing: what it says, or what ended it before it could."""
-    if said := line_of(ended.stdout):
-        return said
+    """Return why a process has expanded nothing: the reason that it printed, or how it ended without one."""
+    if reason := line_of(ended.stdout):
+        return reason
     *_, last = ["", *ended.stderr.splitlines()]
     is_memory = ended.returncode < 0 or "MemoryError" in last
     return "it needs too much memory" if is_memory or not last else line_of(last)
 
 
 def main(where: str) -> int:
-    """Print the expanded text of what comes by stdin, or why there is none; the exit code says which."""
+    """Print the expanded text of the Xacro on stdin, or with exit code 1 the reason why it cannot be expanded."""
     result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
     task, missing, included = json.load(sys.stdin), dict[str, None](), list[Path]()
     with suppress(ImportError):  # there is none in Windows
@@ -214,7 +215,7 @@ class _Missing(ValueError):
 def _expanded(
     text: str, where: str, arguments: Mapping[str, str], missing: dict[str, None], included: list[Path]
 ) -> str:
-    """Return the expanded text; `missing` gets the packages of which nothing could be included, `included` the rest."""
+    """Return the expanded text; `missing` gets the packages that are not found, `included` the files that are."""
     import xacro
     from xacro import substitution_args
 
@@ -234,6 +235,7 @@ def _expanded(
                 raise
             missing[inner.package] = None
 
+    # Xacro has no interface for these, so its own functions are replaced, in a process that does nothing else.
     xacro.get_include_files = found_files
     macros = set[str]()
     xacro.eval_all = _counted(xacro.eval_all, macros)
@@ -254,9 +256,9 @@ def _expanded(
 
 
 def _counted(expand: Callable[..., Any], names: set[str]) -> Callable[..., Any]:
-    """Return the function that expands an element, with a ValueError when it is called for too many of them.
+    """Return a function that expands an element, and raises a ValueError after too many elements.
 
-    names: gets those of the macros of the whole file
+    names: gets the names of all macros of the file
     """
     calls = count(1)
 
@@ -264,7 +266,7 @@ def _counted(expand: Callable[..., Any], names: set[str]) -> Callable[..., Any]:
         if (call := next(calls)) > _ELEMENTS:
             raise ValueError(f"its macros make more than {_ELEMENTS:,} elements")
         expand(node, macros, symbols)
-        if call == 1:
+        if call == 1:  # the whole document, so all macros are known at its end
             names.update(macros)
 
     return counted
@@ -272,6 +274,7 @@ def _counted(expand: Callable[..., Any], names: set[str]) -> Callable[..., Any]:
 
 def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | None = None) -> Any:
     """Return the value of an expression; ValueError if it has anything that may do more than calculate."""
+    # A namespace such as math may only stand before a dot, so these places are collected first.
     tree = ast.parse(expression.strip(), mode="eval")
     roots = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     for node in ast.walk(tree):

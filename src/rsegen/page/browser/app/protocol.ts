@@ -287,7 +287,7 @@ export interface Variant {
   difficulty: [string, string][];
 }
 
-/* Metrics of a map, also those of a robot. */
+/* Metrics of a map, and of a robot on it. */
 export interface MetricRows {
   rows: [string, string, string, string][]; // name, value, meaning, key
 }
@@ -618,13 +618,13 @@ export interface Calls {
   pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: DrawnPose };
   /* Return the rating that a folder holds, also of a command that still runs; a UserError until a trial has ended. */
   rating: { args: { path: string }; result: RatingSoFar };
-  /* Return where a robot gets on a map, its ways across, and a start and a goal for it. */
+  /* Return the area that a robot reaches on a map, its ways across, and a start and a goal for it. */
   reach: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Take over what is in the file. */
   reload: { args: { doc: string; page?: string }; result: State };
   /* Return what is measured of a map of a document, and what it costs; of a draft that is invalid, as `scene`. */
   results: { args: { doc: string; index?: number | null; page?: string }; result: MapResults };
-  /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
+  /* Return a robot as it is drawn: the parts of its links; for a robot of a file, its visuals. */
   robot: { args: { robot: string }; result: RobotShapes };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
   run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string; replace?: boolean }; result: Job };
