@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import io
 import json
 import pkgutil
 import re
 import subprocess
 import sys
+import tokenize
+from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -111,6 +114,34 @@ def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
         for found in re.finditer(rf'^ *"""({CLAUSES})\b.*', path.read_text("utf-8"), re.MULTILINE)
     ]
     assert not clauses, clauses
+
+
+LONG = 20
+"""Lines of a function's body, without its docstring, from which on a comment says where they stand in the idea."""
+
+
+def test_long_functions_have_a_comment() -> None:
+    written = HOUSE / "ros2" / "package_files"  # files of users' packages, whose bytes stay
+    paths = [path for path in HOUSE.rglob("*.py") if written not in path.parents]
+    assert [place for path in paths for place in bare_functions(path)] == []
+
+
+def bare_functions(path: Path) -> Iterator[str]:
+    """Yield the long functions of a module that have no comment."""
+    text = path.read_text("utf-8")
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    about_checkers = ("# type:", "# noqa", "# pragma")
+    commented = {
+        token.start[0]
+        for token in tokens
+        if token.type == tokenize.COMMENT and not token.string.startswith(about_checkers)
+    }
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            body = node.body[1:] if ast.get_docstring(node) else node.body
+            lines = range(node.lineno, (node.end_lineno or 0) + 1)
+            if body and lines.stop - body[0].lineno >= LONG and commented.isdisjoint(lines):
+                yield f"{path.relative_to(HOUSE)}:{node.lineno} {node.name}"
 
 
 def test_every_obstacle_class_is_public_by_name() -> None:
