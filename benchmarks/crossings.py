@@ -126,14 +126,9 @@ class Drive:
         return self.foreseen == self.crossed
 
     @property
-    def happened(self) -> str:
+    def outcome(self) -> str:
         """Outcome in words."""
-        if self.crossed:
-            return f"crosses after {self.seconds:.1f} s, turned by {abs(self.turned):.0f} degrees at the end"
-        if self.tipped:
-            return f"tips over, ends at x = {self.end_x:.2f} m"
-        words = [f"ends at x = {self.end_x:.2f} m, turned by {abs(self.turned):.0f} degrees", *self.incidents]
-        return "; ".join(words)
+        return "crosses" if self.crossed else "tips over" if self.tipped else "is stopped"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -397,13 +392,16 @@ def _share(part: int, whole: int) -> str:
 
 
 def _wrong(found: Sequence[Drive]) -> Iterator[str]:
-    """Yield a table of all wrong predictions."""
-    yield "| simulator | robot, unit, seed, lane | predicted | what happened |"
-    yield "|---|---|---|---|"
-    for drive in (drive for drive in found if not drive.is_right):
-        lane = f"{drive.robot}, {drive.unit_cm:g} cm, {drive.seed}, y = {drive.line:.2f} m"
-        predicted = "crosses" if drive.at is None else f"{drive.reason} at x = {drive.at:.2f} m"
-        yield f"| {TITLES[drive.simulator]} | {lane} | {predicted} | {drive.happened} |"
+    """Yield a table that counts the wrong predictions by their reason."""
+    yield "| simulator | robot | predicted | what happened | lanes |"
+    yield "|---|---|---|---|---|"
+    wrong = (drive for drive in found if not drive.is_right)
+    kinds = (
+        (drive.simulator, drive.robot, "crosses" if drive.at is None else drive.reason, drive.outcome)
+        for drive in wrong
+    )
+    for (simulator, *told), lanes in sorted(Counter(kinds).items()):
+        yield f"| {TITLES[simulator]} | {' | '.join(told)} | {lanes} |"
 
 
 def best_limit(found: Sequence[Drive]) -> tuple[float, int]:
