@@ -271,10 +271,10 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for simulator in simulators:
         own = [drive for drive in found if drive.simulator == simulator]
         yield from (f"| {TITLES[simulator]} {row}" for row in _by_robot(own, _row))
-    yield ""
+    yield "\nThe same lanes in two simulators:\n"
     for one, other in combinations(simulators, 2):
         yield from _agreement(one, other, found)
-        yield ""
+    yield "\nBy the unit of the blocks:\n"
     yield "| simulator | robot, unit | drives | crossed | of these predicted | not crossed | of these predicted |"
     yield "|---|---|---|---|---|---|---|"
     for kind in dict.fromkeys((drive.simulator, drive.robot, drive.unit_cm) for drive in found):
@@ -283,7 +283,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         counts = (len(own), len(crossed), _right(crossed), len(ended), _right(ended))
         simulator, name, unit = kind
         yield f"| {TITLES[simulator]} | {name}, {unit:g} cm | " + " | ".join(map(str, counts)) + " |"
-    yield ""
+    yield "\nWrong predictions by their reason:\n"
     yield from _wrong(found)
 
 
