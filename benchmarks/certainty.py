@@ -226,7 +226,8 @@ SHARP = 0.9
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the tables of a record in Markdown."""
     for title, own in _by_judge(record).items():
-        yield f"**{title}**: {len(own)} predictions, {sum(row['of'] for row in own)} drives, Brier {brier(own):.3f}"
+        yield f"## {title}\n"
+        yield f"{len(own)} predictions, {sum(row['of'] for row in own)} drives, Brier score {brier(own):.3f}"
         yield ""
         yield "| predicted | predictions | drives | crossed | 95 % interval |"
         yield "|---|---|---|---|---|"
@@ -334,7 +335,7 @@ def _together(record: Mapping[str, Any]) -> Iterator[str]:
             own = sums.setdefault(tuple(key[: len(names)]), {})
             own[title] = _Counts(*map(sum, zip(own.get(title, (0,) * len(counts)), counts, strict=True)))
     titles = list(sums[()])
-    yield "### Records together"
+    yield "## Records together"
     yield ""
     seeds = ", ".join(str(one["seed"]) for one in records)
     yield f"The last {len(records)} records counted together, of seeds {seeds}:"

@@ -126,14 +126,9 @@ class Drive:
         return self.foreseen == self.crossed
 
     @property
-    def happened(self) -> str:
+    def outcome(self) -> str:
         """Outcome in words."""
-        if self.crossed:
-            return f"crosses after {self.seconds:.1f} s, turned by {abs(self.turned):.0f} degrees at the end"
-        if self.tipped:
-            return f"tips over, ends at x = {self.end_x:.2f} m"
-        words = [f"ends at x = {self.end_x:.2f} m, turned by {abs(self.turned):.0f} degrees", *self.incidents]
-        return "; ".join(words)
+        return "crosses" if self.crossed else "tips over" if self.tipped else "is stopped"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -276,10 +271,10 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for simulator in simulators:
         own = [drive for drive in found if drive.simulator == simulator]
         yield from (f"| {TITLES[simulator]} {row}" for row in _by_robot(own, _row))
-    yield ""
+    yield "\nThe same lanes in two simulators:\n"
     for one, other in combinations(simulators, 2):
         yield from _agreement(one, other, found)
-        yield ""
+    yield "\nBy the unit of the blocks:\n"
     yield "| simulator | robot, unit | drives | crossed | of these predicted | not crossed | of these predicted |"
     yield "|---|---|---|---|---|---|---|"
     for kind in dict.fromkeys((drive.simulator, drive.robot, drive.unit_cm) for drive in found):
@@ -288,7 +283,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         counts = (len(own), len(crossed), _right(crossed), len(ended), _right(ended))
         simulator, name, unit = kind
         yield f"| {TITLES[simulator]} | {name}, {unit:g} cm | " + " | ".join(map(str, counts)) + " |"
-    yield ""
+    yield "\nWrong predictions by their reason:\n"
     yield from _wrong(found)
 
 
@@ -397,13 +392,16 @@ def _share(part: int, whole: int) -> str:
 
 
 def _wrong(found: Sequence[Drive]) -> Iterator[str]:
-    """Yield a table of all wrong predictions."""
-    yield "| simulator | robot, unit, seed, lane | predicted | what happened |"
-    yield "|---|---|---|---|"
-    for drive in (drive for drive in found if not drive.is_right):
-        lane = f"{drive.robot}, {drive.unit_cm:g} cm, {drive.seed}, y = {drive.line:.2f} m"
-        predicted = "crosses" if drive.at is None else f"{drive.reason} at x = {drive.at:.2f} m"
-        yield f"| {TITLES[drive.simulator]} | {lane} | {predicted} | {drive.happened} |"
+    """Yield a table that counts the wrong predictions by their reason."""
+    yield "| simulator | robot | predicted | what happened | lanes |"
+    yield "|---|---|---|---|---|"
+    wrong = (drive for drive in found if not drive.is_right)
+    kinds = (
+        (drive.simulator, drive.robot, "crosses" if drive.at is None else drive.reason, drive.outcome)
+        for drive in wrong
+    )
+    for (simulator, *told), lanes in sorted(Counter(kinds).items()):
+        yield f"| {TITLES[simulator]} | {' | '.join(told)} | {lanes} |"
 
 
 def best_limit(found: Sequence[Drive]) -> tuple[float, int]:

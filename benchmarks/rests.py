@@ -413,7 +413,10 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         ]
         yield f"| {' | '.join(cells)} |"
     yield ""
-    yield "| robot | samples | poses a second and core, at rest | x the peer's 2,000 | with stability and forces |"
+    yield (
+        "| robot | samples | poses at rest per second and core | times the 2,000 of [Oehler and von Stryk](#sources) "
+        "| with stability and forces |"
+    )
     yield "|---|---|---|---|---|"
     for speed in (Speed(**speed) for speed in record["speeds"]):
         rates = f"{speed.at_rest:,.0f} | {short(speed.at_rest / PEER)} | {speed.in_full:,.0f}"

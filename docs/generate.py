@@ -195,7 +195,7 @@ def _constraints() -> str:
 def _pages_with_a_table() -> Iterator[tuple[Path, str]]:
     """Yield the pages that people write, each with the table in it made anew."""
     tables = {
-        "certainty": certainty.table(certainty.loaded()),
+        "agreement": agreement.table(agreement.loaded(), agreement.recorded_lanes()),
         "datasets": datasets.table(loaded(datasets.FILE)),
         "difficulty": difficulty.table(),
         "driving": starts.table(record_in(starts.FILE)),
@@ -203,8 +203,9 @@ def _pages_with_a_table() -> Iterator[tuple[Path, str]]:
         "gazebo": _told_apart((RESULTS / "contact.md").read_text("utf-8")),
         "learned": _learned(),
         "learning": learning.table(record_in(learning.FILE)),
-        "mujoco": agreement.table(agreement.loaded(), agreement.recorded_lanes()),
+        "mujoco": agreement.summary(agreement.loaded()),
         "poses": _predictions(),
+        "predicted": certainty.table(certainty.loaded()),
         "rating": rating.table(record_in(rating.FILE)),
         "reliability": reliability.table(),
         "robots": _robots(),

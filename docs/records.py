@@ -44,7 +44,7 @@ class Source(NamedTuple):
 
 SOURCES: Mapping[str, Source] = {
     "agreement": Source(
-        "[MuJoCo and Gazebo Classic](mujoco.md)",
+        "[simulators that agree](agreement.md)",
         "python -m benchmarks.agreement",
         ("benchmarks/agreement.py", "src/rsegen/simulators", *_IN_MUJOCO),
     ),
@@ -63,7 +63,7 @@ SOURCES: Mapping[str, Source] = {
         "[busy machines](busy.md)", "python -m benchmarks.busy", ("benchmarks/busy.py", "src/rsegen/simulators")
     ),
     "certainty": Source(
-        "[does it get across](certainty.md)", "python -m benchmarks.certainty", ("benchmarks/certainty.py", *_IN_MUJOCO)
+        "[does it get across](predicted.md)", "python -m benchmarks.certainty", ("benchmarks/certainty.py", *_IN_MUJOCO)
     ),
     "contact": Source(
         "[what a wheel feels](contact.md)",

@@ -36,7 +36,7 @@ than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost
 second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
 heights over time and rolls come from Gazebo's record, which has three digits. What a robot of a manufacturer makes of
-them, and of other settings of ODE, is in [robots](robots.md#what-settings-of-gazebo-classic-change).
+them, and of other settings of ODE, is in [straight drives](straight.md#what-settings-of-gazebo-classic-change).
 """,
     "sim": """\
 # The same in Gazebo Sim
@@ -45,9 +45,9 @@ Made by `python -m benchmarks.contact --simulator sim --only` and the names belo
 engine (DART), which reads neither `kd` nor a wheel's softness: "soft wheels" are stiff there. The same course and
 bodies as above, with one sort of robot in a world, driven by motors as strong as need be; the cost is that of the soft
 wheels' world. Poses are read twenty times a second, which is part of it. The robots' balls are capsules, as rsegen
-writes them for Gazebo Sim ([why](mujoco.md#agreement)), but for "ball as caster": soft wheels with a caster that was
-left a ball, as that of a robot which somebody else puts into the world. These and the spheres drive at 20, 45 and 70
-degrees alone, among other blocks.
+writes them for Gazebo Sim ([why](agreement.md#balls-in-gazebo-sim)), but for "ball as caster": soft wheels with a
+caster that was left a ball, as that of a robot which somebody else puts into the world. These and the spheres drive at
+20, 45 and 70 degrees alone, among other blocks.
 """,
 }
 

@@ -14,6 +14,7 @@ from benchmarks.agreement import (
     MUJOCO,
     RECORDED,
     SIDES,
+    SIM,
     Outcome,
     World,
     climbs,
@@ -22,6 +23,7 @@ from benchmarks.agreement import (
     pairs,
     recorded_lanes,
     runs_of,
+    summary,
     table,
     text_of,
 )
@@ -123,6 +125,14 @@ def test_a_row_counts_lanes_that_cross_agree_and_tip() -> None:
 def test_the_interval_of_a_share_is_wilsons() -> None:
     assert wilson(0, 10) == pytest.approx((0.0, 0.278), abs=1e-3)
     assert wilson(81, 263) == pytest.approx((0.255, 0.366), abs=1e-3)  # Newcombe 1998, table I
+
+
+def test_the_summary_has_a_pair_of_simulators_per_column() -> None:
+    lanes = [replace(OUTCOME, line=float(line)) for line in range(4)]
+    others = [replace(lane, simulator=name) for lane in lanes for name in (SIM, *MUJOCO)]
+    record = {"drives": list(map(asdict, [*lanes, *others])), "climbs": [], "speeds": []}
+    _, _, row = summary(record)
+    assert row.count("4 of 4: 100 % (51 to 100); by chance 100 %") == 4
 
 
 def test_steps_that_a_robot_climbs_are_those_up_to_the_first_that_holds_it() -> None:

@@ -34,7 +34,7 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
-ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md", "training.md"}
+ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "frameworks.md", "gazebo.md", "training.md"}
 """Pages whose programs have tests of their own below."""
 LONG = {
     "certainty.md": "a robot tries many ways over a large map",
@@ -45,6 +45,7 @@ LONG = {
     "README.md": "a robot looks for its ways over several maps",
     "metrics.md": "a robot looks for its ways over several maps",
     "rating.md": "tests/rating has its commands",
+    "ros2.md": "tests/ros2 has its commands",
     "scan.md": "tests/scanning/test_scan_command.py has its commands",
     "sheet.md": "tests/build_sheets has its commands",
     "tutorial.md": "a robot looks for its ways over several maps",
@@ -157,6 +158,13 @@ def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
     assert touched == [f"rse_0000_friction_{friction}.obj" for friction in (0.1, 0.4, 0.9)]
 
 
+def of_learning() -> list[str]:
+    """Return the Python of the two pages of learning, in the order in which a reader meets it."""
+    return [
+        program for page in ("learning", "frameworks") for program in blocks(ROOT / "docs" / f"{page}.md", "python")
+    ]
+
+
 @pytest.mark.long(reason="tests/learning has each framework")
 @pytest.mark.slow
 def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
@@ -183,7 +191,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
         touch,
         ice,
         *_,
-    ) = blocks(ROOT / "docs" / "learning.md", "python")
+    ) = of_learning()
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
@@ -198,7 +206,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
     pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed")
-    terrain, *_, race, _mjx, _quadruped = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, *_, race, _mjx, _quadruped = of_learning()
     script = f"{terrain.partition('terrain =')[0]}\n{race}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
     assert "overflow" not in found.stdout + found.stderr
@@ -208,9 +216,7 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
 
 def test_the_page_of_learning_gives_a_tensor() -> None:
     pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
-    terrain, _exports, _stairs, _ground, _sensor, _seats, _many, tensor, *_ = blocks(
-        ROOT / "docs" / "learning.md", "python"
-    )
+    terrain, _exports, _stairs, _ground, _sensor, _seats, _many, tensor, *_ = of_learning()
     script = f"{terrain.partition('terrain =')[0]}\n{tensor}\nassert tuple(levels.shape) == (16_384, 20, 20)"
     subprocess.run([sys.executable, "-c", script], check=True)
 
@@ -219,7 +225,7 @@ def test_the_page_of_learning_gives_a_tensor() -> None:
 @pytest.mark.slow
 def test_the_balls_of_the_page_of_learning_rest_on_the_ground_in_mjx(tmp_path: Path) -> None:
     pytest.importorskip("mujoco.mjx", reason="MJX is not installed")
-    terrain, *_, mjx, _quadruped = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, *_, mjx, _quadruped = of_learning()
     imports = "import mujoco\nfrom dataclasses import replace\nfrom rsegen.learning.mujoco import BlockGrid"
     script = f"{terrain.partition('terrain =')[0]}\n{imports}\n{mjx}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
@@ -234,7 +240,7 @@ def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on
     if not robot.is_dir():
         pytest.skip(f"no mjlab in {robot.parents[4]}: make learners puts it there")
     shutil.copytree(robot, tmp_path, dirs_exist_ok=True)
-    terrain, *_, quadruped = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, *_, quadruped = of_learning()
     script = f"{terrain.partition('terrain =')[0]}\n{quadruped}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
     flat, *_, rough, roughest = map(float, found.stdout.splitlines()[-1].strip("[]").split())
@@ -319,6 +325,12 @@ def test_links_lead_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#:]+)\)|<img src=\"([^\"]+)\"", page.read_text("utf-8"))
     made = re.findall(r"-o docs/(\S+\.html)", (ROOT / "Makefile").read_text("utf-8"))  # with the site
     assert [link for link in map("".join, links) if link not in made and not (page.parent / link).exists()] == []
+
+
+def test_the_site_finds_pictures_in_html() -> None:
+    """The site rewrites links of Markdown alone, so a page must lie where its file lies."""
+    assert any('<img src="pictures/' in page.read_text("utf-8") for page in PAGES)
+    assert re.search("^use_directory_urls: false", (ROOT / "mkdocs.yml").read_text("utf-8"), re.MULTILINE)
 
 
 def headings(page: Path) -> set[str]:

@@ -201,7 +201,7 @@ def test_a_policy_that_pushes_balls_over_blocks_learns_a_step() -> None:
         [
             ("SolverMuJoCo", "blocks", 0.98, 1.01),
             ("SolverXPBD", "boxes", 0.98, 1.01),
-            # A box catches on the seams of blocks; docs/learning.md says so.
+            # A box catches on the seams of blocks; docs/frameworks.md says so.
             ("SolverXPBD", "blocks", 0.5, 0.9),
         ],
         reason="another solver or ground",

@@ -1,7 +1,7 @@
 """The node of a ROS 2 package that publishes a grid_map, run with stand-ins for ROS's modules.
 
 Its message is read as grid_map_core reads it; that library itself, the rest of the message and CDR were tried by hand
-(docs/formats.md).
+(docs/ros2.md).
 """
 
 from __future__ import annotations

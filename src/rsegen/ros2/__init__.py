@@ -6,5 +6,5 @@ CAPABILITY = Capability(
     summary="ROS 2 packages of maps and robots",
     needs=("formats", "robots", "standing"),
     offers={"rsegen.formats": {"ros2": "rsegen.ros2.ros2"}},
-    manual="formats",
+    manual="ros2",
 )
