@@ -104,6 +104,7 @@ def test_it_is_a_page_of_a4_for_the_map_each_pallet_the_materials_and_a_form(nam
 @pytest.mark.slow
 def test_a_sheet_in_inches_is_on_letter_and_all_its_texts_are_within_the_margins() -> None:
     recipe = Recipe(seed=2, units="in", unit_cm=3.81, block_width_cm=8.89, chunk_size=3, obstacles=BLOCKS)
+    assert "sold as 4x4, dry and planed" in words(read(recipe).pages[0])
     for page, figure in zip(read(recipe).pages, pages(compose(recipe), CutSettings.default("in")), strict=True):
         assert [float(side) / 72 for side in page.mediabox[2:]] == pytest.approx([8.5, 11], abs=1e-3)
         figure.draw_without_rendering()
@@ -113,6 +114,27 @@ def test_a_sheet_in_inches_is_on_letter_and_all_its_texts_are_within_the_margins
         assert len(drawn) > 5
         assert (corners.min(axis=0) >= 10).all()  # millimetres
         assert (corners.max(axis=0) <= np.array([8.5, 11]) * 25.4 - 10).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("units", ["cm", "in"])
+def test_all_that_is_drawn_can_be_printed_and_no_texts_overlap(units: str) -> None:
+    """Printers leave some 6 mm; texts that touch, by up to 0.3 mm, are still legible."""
+    own: dict[str, Any] = {} if units == "cm" else {"units": "in", "unit_cm": 3.81, "block_width_cm": 8.89}
+    recipe = Recipe(seed=2, chunks=(3, 2), chunk_size=6, obstacles=BLOCKS, **own)
+    for figure in pages(compose(recipe), CutSettings.default(units)):
+        figure.draw_without_rendering()
+        axes = figure.axes[0]
+        paper, size = axes.transData.inverted(), figure.get_size_inches() * 25.4
+        texts = [text for text in axes.texts if text.get_text().strip()]
+        drawn = [each.get_window_extent() for each in (*texts, *axes.lines, *axes.patches)]
+        ends = np.sort([paper.transform(box.get_points()) for box in drawn], axis=1)
+        assert (ends[:, 0] >= 6).all()
+        assert (ends[:, 1] <= size - 6).all()
+        low, high = ends[: len(texts)].swapaxes(0, 1)
+        common = np.minimum(high[:, None], high) - np.maximum(low[:, None], low)
+        overlaps = np.argwhere(np.triu((common > 0.3).all(axis=2), 1))
+        assert [(texts[a].get_text(), texts[b].get_text()) for a, b in overlaps] == []
 
 
 @EVERY

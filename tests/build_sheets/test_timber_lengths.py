@@ -19,3 +19,9 @@ def test_stock_is_sold_by_the_foot() -> None:
     assert INCHES.stock(96 * INCH) == "8 ft"
     assert INCHES.stock(92 * INCH + 20 * MARK) == "92 5/8 in"
     assert METRIC.stock(2_400_000_000) == "240 cm"
+
+
+def test_weights_and_densities_in_inches_are_in_pounds() -> None:
+    """Water has 62.4 lb per cubic foot."""
+    assert (INCHES.density(1000), METRIC.density(1000)) == ("62 lb/ft3", "1000 kg/m3")
+    assert (INCHES.weight(1000), METRIC.weight(1000)) == ("2,205 lb", "1,000 kg")

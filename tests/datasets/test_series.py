@@ -316,9 +316,21 @@ def test_the_command_tells_how_it_rises(tmp_path: Path, capsys: pytest.CaptureFi
     flags = [*FLAGS, "--maps", "2", "--from", "0.5", "--same-field", "--preview"]
     out = printed(capsys, "series", *flags, "-o", tmp_path)
     assert f"2 maps in {tmp_path}, seed 7" in out
-    assert "rough-0001_0000" in out
+    for row in rows_of(tmp_path / "series.csv"):  # metres, and centimetres on the screen
+        figures = [f"{100 * float(row[name]):.2f}" for name in ("rms_asked", "rms", "highest_step")]
+        assert [row["map"], f"{float(row['difficulty']):g}", *figures] in [line.split() for line in out.splitlines()]
     assert str(tmp_path / "series.csv") in out
     assert (tmp_path / "rough-0000_0000" / "preview.png").is_file()
+
+
+def test_a_long_series_has_some_rows_on_the_screen_and_counts_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = printed(capsys, "series", *FLAGS, "--maps", "30", "--chunk-size", "3", "-o", tmp_path)
+    names = [line.split()[0] for line in out.splitlines() if line.lstrip().startswith("rough_")]
+    assert names[0] < names[-1] == "rough_0029"
+    assert 10 <= len(names) <= 13
+    assert f"({30 - len(names)} rows between them are left out)" in out
 
 
 def test_json_has_every_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,8 @@ from math import pi, sqrt
 from typing import Any
 
 import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from PIL import Image
 
 from rsegen.experiments.plan import Cell, ExperimentPlan, TableRow
@@ -272,3 +274,15 @@ def test_the_plot_has_no_empty_axes_for_a_real_time_factor_that_was_not_measured
     quick = {cell: outcomes for cell, outcomes in results.items() if cell.pace == "free"}
     with Image.open(io.BytesIO(plot(replace(PLAN, paces=["free"]), quick))) as picture:
         assert picture.width == 1000
+
+
+def test_the_bars_of_the_plot_reach_from_the_least_to_the_most_of_all_trials(
+    results: Results, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr("rsegen.experiments.report.encoded", lambda figure, _: drawn.append(figure))
+    cell = Cell(row=0, size=80, pace="free")
+    plot(PLAN, {**results, cell: [outcome(4), outcome(5), outcome(9)]})
+    lines = [lines for axes in drawn[0].axes for lines in axes.collections if isinstance(lines, LineCollection)]
+    bars = [segment for part in lines for segment in part.get_segments() if abs(segment[0, 0] - 80) < 5]
+    assert any(segment[:, 1].tolist() == [4, 9] for segment in bars)

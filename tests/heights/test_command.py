@@ -54,3 +54,11 @@ def test_impossible_values_are_refused_in_one_line_and_nothing_is_written(
     assert main(["import", str(tmp_path / "a.csv"), "-o", str(tmp_path / "worlds"), *words]) == 2
     assert capsys.readouterr().err.startswith(f"rsegen: {said}")
     assert not (tmp_path / "worlds").exists()
+
+
+def test_heights_of_a_recipe_in_inches_are_inches(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0,3.5\n7,10.5\n", "utf-8")
+    words = ["import", str(tmp_path / "a.csv"), "-o", str(tmp_path), "--units", "in", "--unit-cm", "3.5in"]
+    assert main(words) == 0
+    recipe = load(tmp_path / "a_0000" / "recipe.json")
+    assert (recipe.unit_cm, build(recipe).blocks.tolist()) == (8.89, [[2, 0], [3, 1]])

@@ -222,3 +222,10 @@ def test_cells_are_counted_in_whole_numbers_in_the_picture_of_rounding(monkeypat
     axes = figures[0].axes[0]
     for axis in (axes.xaxis, axes.yaxis):
         assert all(tick.is_integer() for tick in axis.get_majorticklocs())
+
+
+def test_the_first_wrong_height_is_the_first_in_reading_order(tmp_path: Path) -> None:
+    """Row by row from the top, not column by column."""
+    (tmp_path / "heights.csv").write_text("10,20,13\n14,20,30\n")
+    with pytest.raises(FileError, match=r"row 1 from the top, column 3: 13 cm is not .* \(1 more such cell\)"):
+        imported(tmp_path / "heights.csv")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
@@ -90,3 +90,10 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
 def test_an_unknown_metric_is_refused(by: Any, robot: Any, message: str) -> None:
     with pytest.raises(UserError, match=message):
         metric_by(by, robot)
+
+
+def test_a_robot_s_name_is_refused_with_the_way_to_get_the_robot() -> None:
+    with pytest.raises(
+        UserError, match=r"^robot: 'burger' is neither a robot nor limits of steps; use rsegen.robot_of"
+    ):
+        rsegen.metrics(rsegen.build(rsegen.Recipe(seed=1)), cast("Any", "burger"))

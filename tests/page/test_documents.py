@@ -21,6 +21,7 @@ from rsegen import Peak, Random, Recipe, load
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.page import documents as calls
 from rsegen.page.calls import Question
+from rsegen.page.commands import _place
 from rsegen.page.host import MOST_DOCUMENTS, Host, Opened
 from rsegen.page.model.session import Session
 from rsegen.page.scenes import DocumentMap, ghost, scene
@@ -55,6 +56,25 @@ def drafts(folder: Path) -> list[str]:
 def test_a_file_is_one_document_for_all_pages_that_open_it(host: Host, opened: Opened) -> None:
     assert calls.open(host, what="./course.yaml")["doc"] == opened.id
     assert calls.open(host, what="")["doc"] != calls.open(host, what="")["doc"]
+
+
+def test_the_folder_of_a_map_is_opened_and_another_folder_is_worked_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (made,) = rsegen.generate(Recipe(seed=1), "worlds").maps
+    assert _place(str(made.folder)) == (tmp_path, str(made.folder))
+    assert _place("worlds") == (tmp_path / "worlds", "")
+
+
+def test_a_document_is_not_saved_over_another_that_is_open(host: Host, opened: Opened) -> None:
+    (host.folder / "other.yaml").write_text(TEXT)
+    calls.open(host, what="other.yaml")
+    act(opened, {"do": "add", "entry": PEAK})
+    with pytest.raises(UserError, match=r"other\.yaml: is open as another document; choose another name"):
+        calls.save(host, doc=opened.id, path="other.yaml", replace=True)
+    assert (host.folder / "other.yaml").read_text() == TEXT
+    assert not calls.save(host, doc=opened.id, path="course.yaml")["unsaved"]
 
 
 def test_switched_off_rows_and_comments_are_saved(host: Host, opened: Opened) -> None:

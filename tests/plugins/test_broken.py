@@ -113,6 +113,14 @@ def test_a_metric_that_fails_is_named(tmp_path: Path) -> None:
     assert "metric steep: ZeroDivisionError: division by zero" in refused("metrics", "peak", packages=tmp_path)
 
 
+def test_a_metric_without_a_docstring_has_no_help_and_is_refused(tmp_path: Path) -> None:
+    source = 'import rsegen\n\n@rsegen.metric("m")\ndef steep(field):\n    return 1.0\n'
+    installed(tmp_path, source, "[rsegen.metrics]\nsteep = dunes:steep\n")
+    found = run("metrics", "peak", packages=tmp_path)
+    assert "(dunes:steep): has no help; the function needs a docstring; it is left out" in found.stderr
+    assert "steep" not in found.stdout
+
+
 def test_a_metric_with_a_name_of_rsegen_s_own_is_refused_with_all_of_these(tmp_path: Path) -> None:
     source = 'import rsegen\n\n@rsegen.metric("m")\ndef spread(field):\n    """Spread."""\n    return 1.0\n'
     installed(tmp_path, source, "[rsegen.metrics]\nspread = dunes:spread\n")

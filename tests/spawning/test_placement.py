@@ -34,6 +34,36 @@ def test_a_free_place_is_clear_of_all_models(half_x: float, half_y: float, taken
 def test_the_origin_is_the_first_choice_and_its_neighbour_the_second() -> None:
     assert free_area(1, 2, [])[:2] == (0, 0)
     assert free_area(1, 2, [Area(0, 0)])[:2] == (2 + GAP, 0)
+    assert free_area(2, 1, [Area(0, 0)])[:2] == (0, 2 + GAP)
+
+
+@given(half_x=st.floats(0.1, 3), half_y=st.floats(0.1, 3), taken=TAKEN)
+def test_no_place_of_the_grid_that_is_nearer_is_free(half_x: float, half_y: float, taken: list[Area]) -> None:
+    place = free_area(half_x, half_y, taken)
+    away, step_x, step_y = hypot(place.x, place.y), 2 * half_x + GAP, 2 * half_y + GAP
+    nearer = (
+        (i * step_x, j * step_y)
+        for i in range(-int(away / step_x), int(away / step_x) + 1)
+        for j in range(-int(away / step_y), int(away / step_y) + 1)
+        if hypot(i * step_x, j * step_y) < away - 0.002
+    )
+    for x, y in nearer:
+        assert any(
+            max(abs(x - other.x) - half_x - other.half_x, abs(y - other.y) - half_y - other.half_y) < GAP + 0.002
+            for other in taken
+        )
+
+
+@given(x=METRES, y=METRES, yaw=st.floats(-pi, pi))
+def test_the_area_of_a_turned_map_reaches_to_its_corners(x: float, y: float, yaw: float) -> None:
+    placed = SpawnedMap(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=0, yaw=yaw))
+    half_length, half_width = FIELD.extent[0] / 2, FIELD.extent[1] / 2
+    corners = [
+        complex(a, b) * complex(cos(yaw), sin(yaw))
+        for a in (-half_length, half_length)
+        for b in (-half_width, half_width)
+    ]
+    assert placed.area == pytest.approx((x, y, max(at.real for at in corners), max(at.imag for at in corners)))
 
 
 @given(x=METRES, y=METRES, z=st.floats(-1, 1), yaw=st.floats(-pi, pi), data=st.data())

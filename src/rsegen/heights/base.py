@@ -270,7 +270,7 @@ def whole_units(
         with np.errstate(invalid="ignore"):
             bad |= np.abs(units - levels) > _WHOLE
     if bad.any():
-        column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
+        row, column = (int(at) for at in np.argwhere(bad[:, ::-1].T)[0])
         height = heights_cm[:, ::-1][column, row]
         amiss, hint = "nan cm is a hole", "fill_holes gives it the height of its neighbours"
         if not np.isnan(height):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, count, product
 from math import cos, floor, hypot, sin
@@ -37,18 +37,20 @@ class Area(NamedTuple):
 
 def free_area(half_x: float, half_y: float, occupied: Sequence[Area]) -> Area:
     """Return the area nearest to the origin, on a grid around it, that is clear of all occupied ones."""
+    steps = 2 * half_x + GAP, 2 * half_y + GAP
     candidates = (
-        Area(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
-        for i, j in chain.from_iterable(map(_ring, count()))
+        Area(round(x, 3), round(y, 3), half_x, half_y)
+        for x, y in chain.from_iterable(_annulus(*steps, away * min(steps)) for away in count())
     )
     return next(place for place in candidates if all(map(place.is_clear_of, occupied)))
 
 
-def _ring(away: int) -> Iterator[tuple[int, int]]:
-    """Yield the cells of a square ring around the origin, the nearest first; east and north before west and south."""
-    line = range(-away, away + 1)
-    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == away)
-    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
+def _annulus(step_x: float, step_y: float, inner: float) -> list[tuple[float, float]]:
+    """Return the grid points in an annulus as wide as the smaller step, the nearest first; ties: east, then north."""
+    outer = inner + min(step_x, step_y)
+    xs, ys = ([i * step for i in range(-int(outer / step), int(outer / step) + 1)] for step in (step_x, step_y))
+    points = [(x, y) for x, y in product(xs, ys) if inner <= hypot(x, y) < outer]
+    return sorted(points, key=lambda point: (hypot(*point), -point[0], -point[1]))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -91,6 +91,12 @@ def test_a_row_without_a_key_stays_without_one_and_keeps_its_comments() -> None:
     ]
 
 
+def test_a_parameter_that_is_the_default_again_leaves_the_file_and_the_comments_stay() -> None:
+    text = TEXT.replace("    levels: 5\n", "    levels: 5\n    softness: 30\n")
+    plain = replace(recipe_of(text).obstacles[1], softness=0, key=None)
+    assert text_after(text, replace(RECIPE, obstacles=(FLOOR, plain, WALL)), ".yaml") == TEXT
+
+
 def test_a_row_is_added_and_removed_with_its_comment() -> None:
     peak = Peak(levels=3, first=(1, 1), last=(2, 2), key="one")
     assert difference(replace(RECIPE, obstacles=(*RECIPE.obstacles, peak))) == [
