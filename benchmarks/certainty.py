@@ -222,6 +222,9 @@ class _Bin(NamedTuple):
 SHARP = 0.9
 """Probability from which on a prediction is sure, and below 1 minus which too."""
 
+GOOD = 0.95
+"""Share of drives as told below which a group of sure predictions is named in the summary."""
+
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the tables of a record in Markdown."""
@@ -287,6 +290,11 @@ class _Counts(NamedTuple):
         """The drives of sure predictions that were as told, of all."""
         return f"{self.right} of {self.of_sure} ({self.right / self.of_sure:.0%})" if self.of_sure else ""
 
+    @property
+    def is_weak(self) -> bool:
+        """Return whether less than `GOOD` of the drives of sure predictions were as told."""
+        return self.right < GOOD * self.of_sure
+
 
 def _grouped(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[tuple[Any, ...], _Counts]:
     """Return the counts of each group of predictions that are alike in some columns."""
@@ -326,17 +334,54 @@ def _sums(record: Mapping[str, Any]) -> dict[str, Any]:
     return {"seed": record["seed"], "groups": groups}
 
 
-def _together(record: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a table of a record and those before it, counted together."""
-    records = [_sums(record), *record["earlier"]]
+def _counted_together(record: Mapping[str, Any]) -> dict[tuple[Any, ...], dict[str, _Counts]]:
+    """Return the counts of a record and of the records before it, by group and by the simulator that judged."""
     sums: dict[tuple[Any, ...], dict[str, _Counts]] = {}
-    for names, one in product(_TOGETHER, records):
+    for names, one in product(_TOGETHER, [_sums(record), *record["earlier"]]):
         for title, *key, counts in one["groups"]:
             own = sums.setdefault(tuple(key[: len(names)]), {})
             own[title] = _Counts(*map(sum, zip(own.get(title, (0,) * len(counts)), counts, strict=True)))
+    return sums
+
+
+def summary(record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield how often sure predictions are right, by simulator, and the groups in which they are less often right."""
+    judged_by = _by_judge(record)
+    yield "| judged by | predictions | sure | of sure ones right | on lanes | on ways | >= 0.9: crossed | <= 0.1: crossed |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for title, rows in judged_by.items():
+        counts, by_route = _Counts.of(rows), _grouped(rows, ("route",))
+        routes = (by_route[route,].share_right for route in ("straight", "way"))
+        of_no = counts.of_sure - counts.of_yes
+        crossed_no = of_no - (counts.right - counts.crossed)
+        told_no = f"{crossed_no} of {of_no}"
+        cells = (counts.predictions, counts.share_sure, counts.share_right, *routes)
+        told_yes = f"{counts.crossed} of {counts.of_yes}"
+        yield f"| {title} | {' | '.join(map(str, cells))} | {told_yes} | {told_no} |"
+    yield ""
+    yield f"Groups of which less than {GOOD:.0%} were right, in the newest record or in the last ones together:"
+    yield ""
+    yield f"| of | judged by | newest record | last {1 + len(record['earlier'])} records |"
+    yield "|---|---|---|---|"
+    together = _counted_together(record)
+    for names in _TOGETHER[1:]:
+        newest = {title: _grouped(rows, names) for title, rows in judged_by.items()}
+        for key, by_title in together.items():
+            # Of a robot at one unit a Gazebo has too few drives to say anything.
+            for title in by_title if len(names) == 1 else ("MuJoCo",):
+                pair = newest[title].get(key), by_title[title]
+                if len(key) == len(names) and any(counts and counts.is_weak for counts in pair):
+                    shares = (counts.share_right if counts else "" for counts in pair)
+                    yield f"| {_named(key)} | {title} | {' | '.join(shares)} |"
+
+
+def _together(record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table of a record and those before it, counted together."""
+    sums = _counted_together(record)
     titles = list(sums[()])
     yield "## Records together"
     yield ""
+    records = [record, *record["earlier"]]
     seeds = ", ".join(str(one["seed"]) for one in records)
     yield f"The last {len(records)} records counted together, of seeds {seeds}:"
     yield ""

@@ -196,6 +196,7 @@ def _pages_with_a_table() -> Iterator[tuple[Path, str]]:
     """Yield the pages that people write, each with the table in it made anew."""
     tables = {
         "agreement": agreement.table(agreement.loaded(), agreement.recorded_lanes()),
+        "certainty": certainty.summary(certainty.loaded()),
         "datasets": datasets.table(loaded(datasets.FILE)),
         "difficulty": difficulty.table(),
         "driving": starts.table(record_in(starts.FILE)),
