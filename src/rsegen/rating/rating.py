@@ -105,7 +105,7 @@ class Curve:
 
     @property
     def outside(self) -> str:
-        """Why half is crossed at no level of the axis: `easy` or `hard` if all levels are; empty if it is at one."""
+        """Reason why half is crossed at no level of the axis: `easy` or `hard`, as all levels are; else empty."""
         first, last = self.axis.ends
         if self.posterior.below(HALF, last) < 1 - _SURE:
             return "easy"
