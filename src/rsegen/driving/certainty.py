@@ -3,9 +3,9 @@
     room to spare   0    0.2   0.4   0.6   0.8   1    2        the least that is sure enough, by bisection
     lanes           rough, crossed by chance .. even, level
 
-With each room the maps are made, and the robot is predicted to cross them both ways (prediction.py); what counts is the
-mean over the maps, of the worse way. Cost: two or three rooms, each a dozen seconds a map. What breaks it: a map that
-is no more surely crossed with more room, so another room than the least may be found.
+For each room the maps are made, and the probability that the robot crosses them both ways is predicted (prediction.py);
+the mean over the maps counts, for the worse of the two ways. Cost: two or three rooms, each a dozen seconds a map. What
+breaks it: maps that are not crossed more surely with more room, for which the room found may not be the least.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rsegen.robots.lookup import robot_of_kind
 from rsegen.scene.scene import compose
 
 ROOMS: Sequence[float] = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 2.0)
-"""Room to spare, as a share of what is usual: so far apart that maps differ; with 2 lanes are level."""
+"""Room to spare, as a share of the usual room: so far apart that maps differ; with 2 lanes are level."""
 
 _MAPS = 8
 """Maps of a recipe that are driven, the first ones: they tell a mean within 0.1, in some minutes."""
@@ -34,7 +34,7 @@ _BAR = "a room to spare"
 def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
     """Find how much room to spare lanes need so that a robot crosses the maps of a recipe as surely as asked.
 
-    Drives in MuJoCo tell it; the maps of the returned recipe depend on its numbers alone. The same as
+    It is found by drives in MuJoCo; the maps of the returned recipe depend on its numbers alone. The same as
     `crossable_by: crawler:0.9` in a recipe file. Drives use all cores, so a script needs `if __name__ == "__main__":`.
 
     Parameters
@@ -53,7 +53,7 @@ def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
     Raises
     ------
     ParameterError
-        If there is none, or the recipe names no robot.
+        If no room is enough, or the recipe names no robot.
     NoSimulator
         If MuJoCo is not installed.
     """
@@ -76,17 +76,18 @@ def with_certainty(recipe: Recipe, certainty: float) -> Recipe:
 
 
 def _certainty(recipe: Recipe, asked: float, done: float) -> float:
-    """Return the probability of crossing the first maps of a recipe; once it is below what is asked, a bound of it.
+    """Return the probability of crossing the first maps of a recipe; an upper bound once it is below `asked`.
 
-    done: the share of the rooms that is decided already, of which what is left is halved now
+    done: the share of the rooms that is already decided; these drives decide half of the others
     """
     robot, indices = robot_of_kind(str(recipe.crossable_by)), recipe.indices[:_MAPS]
-    missed = {"west_east": 0.0, "south_north": 0.0}  # sums of what the probabilities lack to 1
-    for number, index in enumerate(indices):
-        report_share(_BAR, done + (1 - done) / 2 * number / len(indices))
-        found = predictions(robot, compose(recipe, index))
+    missed = {"west_east": 0.0, "south_north": 0.0}  # sums of the probabilities of not crossing
+    for position, index in enumerate(indices):
+        report_share(_BAR, done + (1 - done) / 2 * position / len(indices))
+        predicted = predictions(robot, compose(recipe, index))
         for side in missed:
-            missed[side] += 1 - found[side].probability if side in found else 1.0
+            missed[side] += 1 - predicted[side].probability if side in predicted else 1.0
+        # Even if all other maps were crossed for sure, the mean could not become what is asked.
         if max(missed.values()) > (1 - asked) * len(indices):
             break
     return 1 - max(missed.values()) / len(indices)

@@ -135,39 +135,39 @@ def drive(  # noqa: PLR0913  # each is a flag
         raise ParameterError("motors", f"is for MuJoCo; {shown(simulator)} has its own motors")
     if not embedded:
         refuse_in_gazebo(picture=picture, video=video)
-    here = embedded or choose_installation(world.made_for, simulator, timeout)
+    program = embedded or choose_installation(world.made_for, simulator, timeout)
     scene, report = world.scene(), progress or ignore
-    predictor = predictor_for(here.backend, motors, cores()) if predict else None
-    runs, found = planned_runs(predictor, scene, model, route, count=robots, seed=seed, best=best or "safe")
-    pictured = picture and "pictures" not in here.drives_without
+    predictor = predictor_for(program.backend, motors, cores()) if predict else None
+    runs, prediction = planned_runs(predictor, scene, model, route, count=robots, seed=seed, best=best or "safe")
+    pictured = picture and "pictures" not in program.drives_without
     if output is not None:
         announce_files(Path(output), file_names(runs, picture=pictured, video=video), is_whole=True)
     with unchanged_if_stopped(output):
-        if isinstance(here, Installation):
+        if isinstance(program, Installation):
             extent = scene.field.extent if pictured else None
             with world.on_disk() as file:
-                recording = record_drive(here, file, runs, duration, report, contacts=contacts, camera_extent=extent)
+                recording = record_drive(program, file, runs, duration, report, contacts=contacts, camera_extent=extent)
         else:
-            wanted = {"contacts": contacts, "picture": pictured, "video": video}
-            recording = record_embedded(here, scene, runs, duration, report, motors=motors, **wanted)
+            recorded = {"contacts": contacts, "picture": pictured, "video": video}
+            recording = record_embedded(program, scene, runs, duration, report, motors=motors, **recorded)
     driven = tuple(driven_robot(run, scene, recording, route) for run in runs)
     result = DriveResult(
         scene=scene,
-        simulator=str(here),
+        simulator=str(program),
         route=route,
         seed=seed,
         robots=driven,
         errors=tuple(recording.errors),
         notes=(
-            *drive_notes(here, runs, recording, contacts=contacts, picture=picture),
-            *still_notes(here, runs, recording, route, motors),
+            *drive_notes(program, runs, recording, contacts=contacts, picture=picture),
+            *still_notes(program, runs, recording, route, motors),
             *frame_notes(scene, runs, recording),
-            *short_notes(found, driven, duration),
-            *solver_notes(here.backend, scene, found, driven),
+            *short_notes(prediction, driven, duration),
+            *solver_notes(program.backend, scene, prediction, driven),
         ),
         contact_samples=recording.samples,
         way=runs[0].way,
-        prediction=found,
+        prediction=prediction,
         image=recording.image,
         video=recording.video,
         file=robot_file(robot),
@@ -205,16 +205,16 @@ def drive_many(  # noqa: PLR0913  # each is a flag
 ) -> ManyDrives:
     """Drive a robot over each map of a recipe, in MuJoCo, and count how many it crosses.
 
-    One robot over each map, on all cores or a Dask cluster. Each drive is that of `rsegen drive` over that map, bit by
-    bit, wherever it is simulated. In mujoco-warp thousands of maps are driven side by side, straight across, with
-    numbers of 32 bits: robots are mostly within a millimetre in the first second, and most drives end alike.
+    One robot over each map, on all cores or a Dask cluster. `rsegen drive` over a map gives the same drive, bit by bit,
+    wherever it is simulated. In mujoco-warp thousands of maps are driven side by side, straight across, with numbers of
+    32 bits: robots are mostly within a millimetre in the first second, and most drives end alike.
 
     Parameters
     ----------
     recipe : Recipe
         The maps.
     maps : int, optional
-        Their number; by default that of the recipe.
+        Their number; by default all maps of the recipe.
     progress : callable, optional
         Called with the number of drives that are done now and then.
 
@@ -236,6 +236,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import refuse_taken, unchanged_if_stopped
 
+    # As in `drive`: all that can be wrong is refused before the first of thousands of drives.
     refuse_best(best, route)
     plan = ManyPlan(
         recipe=with_maps(recipe, maps),
@@ -336,15 +337,15 @@ def run_predict(arguments: argparse.Namespace) -> Report:
     picture = picture_of(arguments.output, force=arguments.force)
     with flags_in_errors(predict):
         scene = world_of(target_of(arguments), arguments.map).scene()
-    found = call(predict, arguments, scene, map=None)
+    prediction = call(predict, arguments, scene, map=None)
     kind = given(predict, arguments).get("robot", default(predict, "robot"))
-    content = {"map": scene.name, "robot": kind, **found.as_json()}
+    content = {"map": scene.name, "robot": kind, **prediction.as_json()}
     robot = robot_of(kind)
     if picture:
-        picture.write(partial(prediction_plot, scene, robot.kind, found))
+        picture.write(partial(prediction_plot, scene, robot.kind, prediction))
     remarks = (f"note: {robot.kind}: {remark}" for remark in getattr(robot, "remarks", ()))
     notes = (*which_map(arguments.target, arguments.map), *remarks)
-    return Report(lines=[f"{scene.name}, {robot.kind}: {found}"], content=content, notes=notes)
+    return Report(lines=[f"{scene.name}, {robot.kind}: {prediction}"], content=content, notes=notes)
 
 
 def add_drive(command: Parser) -> None:

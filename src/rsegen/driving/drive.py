@@ -1,6 +1,6 @@
-"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got, as a report, files and a picture.
+"""`rsegen.drive`: robots driven over a map in a simulator, and how far each got, as a report, files and a picture.
 
-Everything is checked before the server starts: the robot's file, its places, and whether the results can be written.
+Everything is checked before a server starts: the robot's file, its places, and whether the results can be written.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class DriveResult(Reported):
     contact_samples : ContactSamples
         Simulated seconds, and the contacts at that time.
     notes : tuple of str
-        What the simulator does not give, a sentence each.
+        What the simulator does not record, and what is odd about the drive, a sentence each.
     way : PlannedWay or None
         The way that the robots followed, on that route.
     prediction : Prediction or None
@@ -188,7 +188,7 @@ def _foreseen(way: PlannedWay) -> str:
 
 
 def _at(place: tuple[float, float] | None) -> str:
-    """Return a place [m] in words after what happens there."""
+    """Return a place [m] in words that follow an event there; `+ 0` makes -0.0 a plain 0."""
     return f" at {place[0] + 0:.2f}, {place[1] + 0:.2f} m" if place else ""
 
 
@@ -259,7 +259,7 @@ def drive_notes(
     contacts: bool,
     picture: bool,
 ) -> Iterator[str]:
-    """Yield what was derived from a robot's file, what went wrong, and what the simulator does not give."""
+    """Yield notes on what was derived from a robot's file, what went wrong, and what the simulator does not record."""
     yield from recording.notes
     if isinstance(runs[0].robot, SdfRobot):
         yield from runs[0].robot.notes(here.backend)
@@ -295,6 +295,7 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
     field = scene.field
     west = -field.extent[0] / 2
     held = []
+    # Held at the frame: in the last second its front is at the map, its middle not yet, and it hardly moves.
     for run in runs:
         rows = recording.trajectories[run.name].rows
         last = rows[rows[:, 0] > rows[-1, 0] - _NOTICED, 1] if len(rows) else rows[:, 0]
@@ -315,24 +316,26 @@ _CRAWLED = 0.1
 """Metres of a frame that the crawler gets over in every simulator."""
 
 
-def short_notes(found: Prediction | None, robots: Sequence[DrivenRobot], seconds: float) -> Iterator[str]:
-    """Yield a note if a drive of some seconds is shorter than those of its prediction took to cross."""
-    if found is None or found.seconds is None or found.seconds <= seconds:
+def short_notes(prediction: Prediction | None, robots: Sequence[DrivenRobot], seconds: float) -> Iterator[str]:
+    """Yield a note if a drive of some seconds is shorter than the drives of its prediction took to cross."""
+    if prediction is None or prediction.seconds is None or prediction.seconds <= seconds:
         return
     if late := [robot.name for robot in robots if robot.metrics.crossed is None]:
-        took = f"the drives of the prediction that crossed took {found.seconds:.0f} s"
-        yield f"{', '.join(late)} had {seconds:g} s, and {took}; use duration={ceil(1.5 * found.seconds)}"
+        took = f"the drives of the prediction that crossed took {prediction.seconds:.0f} s"
+        yield f"{', '.join(late)} had {seconds:g} s, and {took}; use duration={ceil(1.5 * prediction.seconds)}"
 
 
 _LIKELY = 0.5
-"""Probability of crossing from which on a robot that is held makes one doubt the simulator."""
+"""Probability of crossing from which on the simulator is to be doubted if a robot is held."""
 
 
-def solver_notes(backend: str, scene: Scene, found: Prediction | None, robots: Sequence[DrivenRobot]) -> Iterator[str]:
+def solver_notes(
+    backend: str, scene: Scene, prediction: Prediction | None, robots: Sequence[DrivenRobot]
+) -> Iterator[str]:
     """Yield a note if robots that were likely to cross are held in Gazebo Sim, whose default solver may be why."""
     if backend not in ("sim", "fortress") or scene.recipe.solver != "dantzig":
         return
-    if found is None or found.probability < _LIKELY:
+    if prediction is None or prediction.probability < _LIKELY:
         return
     if held := [robot.name for robot in robots if robot.metrics.crossed is None and robot.metrics.stuck > _NOTICED]:
         yield f"{', '.join(held)} may be held by the solver of contacts; solver='pgs' makes the map with another one"
@@ -345,9 +348,9 @@ _NOTICED = 1.0
 def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str, *, has_torque: bool) -> Iterator[str]:
     """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason.
 
-    has_torque: whether its motors have one, so that light wheels push as well
+    has_torque: whether its motors have a torque, with which light wheels push as well as heavy ones
     """
-    # A robot is on level ground in the gap before the map. Only half of it counts, as one that stands at the first
+    # A robot is on level ground in the gap before the map. Only half of the gap counts, as a robot held at the first
     # block may not have come all of it. On a random route a block may hold a robot anywhere.
     drive, _ = possible_part(trajectory, run.robot.driving_speed, run.robot.size)
     t, x, y = drive.rows[:, :3].T
@@ -370,7 +373,7 @@ def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str, *, has_torq
 
 
 def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
-    """Return the result of a robot."""
+    """Return the result of a robot's run out of a recording."""
     trajectory, robot = recording.trajectories[run.name], run.robot
     course = Course.over(scene.field, None if route == Wandering.name else finish_x(scene.field, robot))
     shares = recording.shares(run.name)

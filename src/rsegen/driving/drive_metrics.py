@@ -1,10 +1,10 @@
-"""The trajectory of a robot, and what it amounts to: distance, crossing, time stuck, tilt, tips, climb and incidents.
+"""The trajectory of a robot, and its metrics: distance, crossing, time stuck, tilt, tips, climb and incidents.
 
-All follow from rows of time, position and angles, the robot's size and speed, and the sides of the map, so those of a
-log, of another simulator or of a real robot are measured alike; the definitions are in docs/driving.md. An incident is
-what a distance alone would hide: the robot was off the map, or at a place or speed that no robot has. What cannot be is
-no drive, so every figure ends there. Cost: linear in the rows. What breaks it: rows too far apart, as distance is then
-too short and a tip may be missed.
+All follow from rows of time, position and angles, the robot's size and speed, and the sides of the map, so a log,
+another simulator or a real robot is measured in the same way; the definitions are in docs/driving.md. An incident is
+what a distance alone would hide: the robot was off the map, or at a place or speed that no robot has. Every figure ends
+before the first impossible row. Cost: linear in the rows. What breaks it: rows too far apart, as distance is then too
+short and a tip may be missed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ With less, a robot that leans against a block would count; one that lies on its 
 SLOW = 0.1
 """Share of its speed below which a robot is stuck in a second.
 
-A robot that slips on an edge comes on by less; one that climbs, turns or waits for its flippers by more.
+A robot that slips on an edge comes on by less; a robot that climbs, turns or waits for its flippers by more.
 """
 
 STILL = 0.01
@@ -47,7 +47,7 @@ FALLING = 5.0
 """Metres per second of a robot that falls or slides, beyond its own speed: from a block of 1.2 m."""
 
 RESOLUTION = 0.05
-"""Metres by which a place in a record may be off, beyond that."""
+"""Metres by which a place in a record may be off, besides."""
 
 WINDOW = 1.0
 """Seconds over which a robot is too fast, or stuck."""
@@ -90,9 +90,9 @@ class Trajectory:
 class Course:
     """The map that a robot is driven over.
 
-    extent: its sides along x and y, metres; top: the height of its highest block, metres; finish_x: the x of a robot's
-    origin beyond which the whole robot is east of the map, None if it is not to cross the map; starts_on_it: whether
-    the robot starts on the map, if its first row may be too late to show it
+    extent: its sides along x and y, metres; top: the height of its highest block, metres
+    finish_x: the x of a robot's origin beyond which the whole robot is east of the map, None on a route not across it
+    starts_on_it: True if the robot starts on the map, and its first row may be too late to show that
     """
 
     extent: tuple[float, float] = (0.0, 0.0)
@@ -130,12 +130,13 @@ class Incident:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveMetrics:
-    """Metrics of the drive of a robot, up to what cannot be.
+    """Metrics of the drive of a robot, up to the first row that no robot can have.
 
-    distance: length of the trajectory seen from above, metres; crossed: seconds until the whole robot was beyond the
-    map, None if it never was, or not by way of the map and upright; stuck: seconds; tipped: how often it tipped over;
-    tilt: largest angle between its upright and the vertical, radians; climbed: its highest place above the one on which
-    it stood after the fall at the start, m; incidents: in the order of time
+    distance: length of the trajectory seen from above, metres
+    crossed: seconds until the whole robot was beyond the map; None if it never was, or left the map or tipped over
+    stuck: seconds; tipped: how often it tipped over; tilt: largest angle between its upright and the vertical, radians
+    climbed: its highest place above the one on which it stood after the fall at the start, metres
+    incidents: in the order of time
     touched: for each part, LINK::COLLISION, the share of samples with contacts; empty if the simulator reports none
     """
 
@@ -188,9 +189,9 @@ def drive_metrics(
 def possible_part(
     trajectory: Trajectory, speed: float, size: Vector, course: Course = PLANE
 ) -> tuple[Trajectory, Incident | None]:
-    """Return the rows before the first thing that no robot of a size, metres, and a speed, m/s, can do, and that thing.
+    """Return the rows before the first impossible one for a robot of a size, metres, and a speed, m/s, and why it is.
 
-    One row at the origin if there are none before it.
+    One row at the origin if the very first is impossible; no incident if none is.
     """
     # Rows after one without a number are not looked at, so that sums have numbers.
     strange = _first(np.asarray(~np.isfinite(trajectory.rows).all(axis=1)))
@@ -213,19 +214,20 @@ def possible_part(
 
 def _too_fast(t: Array, x: Array, y: Array, speed: float, diagonal: float) -> list[tuple[int, str]]:
     """Return the row at which a robot began to be faster than it can be, with the reason; empty if it never was."""
+    # Metres along the path, and of these the ones in the last window before each row.
     path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
     within = path - np.interp(np.maximum(t - WINDOW, t[0]), t, path)
     late = _first(within > FAST * speed * WINDOW + diagonal)
     if late is None:
         return []
-    # In the window that is too long, it began with the first rows that are too far apart.
+    # It began to be too fast at the first row in that window that is too far from the row before.
     steps = np.diff(path[: late + 1]) > FAST * speed * np.diff(t[: late + 1])
     row = int(np.flatnonzero(steps & (t[1 : late + 1] > t[late] - WINDOW))[0]) + 1
     return [(row, f"up to {within.max():.2f} m in {WINDOW:g} s, at a commanded {speed:g} m/s")]
 
 
 def _lost(rows: Array, speed: float) -> Iterator[tuple[int, str]]:
-    """Yield the rows at which the physics lost a robot, with the reasons: it is at no place, or at another at once."""
+    """Yield the rows at which the physics lost a robot, with the reasons: it has no pose, or jumped."""
     nowhere, has_moved = (rows[:, 1:] == 0).all(axis=1), np.logical_or.accumulate((rows[:, 3:] != 0).any(axis=1))
     # A robot on its way over the origin is there in one row, and is hardly ever quite level.
     if (row := _first(nowhere[:-1] & nowhere[1:] & has_moved[:-1])) is not None:
@@ -237,7 +239,7 @@ def _lost(rows: Array, speed: float) -> Iterator[tuple[int, str]]:
 
 
 def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:
-    """Return when a robot was next to the map on its way across, or left it on a drive that is to stay on it."""
+    """Return the incident of a robot that was next to the map on its way across, or left it on a random route."""
     _, x, y = trajectory.rows[:, :3].T
     half_x, half_y = (side / 2 for side in course.extent)
     between, beside = np.abs(x) < half_x, np.abs(y) > half_y
@@ -259,7 +261,7 @@ def _seconds(trajectory: Trajectory, row: int) -> float:
 
 
 def _first(claims: Mask) -> int | None:
-    """Return the first row of which a claim is true, None if there is none."""
+    """Return the first row of which a claim is true, None if it is true of no row."""
     rows = np.flatnonzero(claims)
     return int(rows[0]) if len(rows) else None
 
@@ -267,7 +269,7 @@ def _first(claims: Mask) -> int | None:
 def moves_by_window(t: Array, x: Array, y: Array) -> tuple[Array, Array]:
     """Return the seconds of each WINDOW, of which the last may be shorter, and the metres from its begin to its end.
 
-    A robot that shakes at its place moves by nothing in them.
+    So a robot that shakes in its place does not move, however long its path is.
     """
     marks = np.append(np.arange(t[0], t[-1] - 1e-6, WINDOW), t[-1])
     on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))

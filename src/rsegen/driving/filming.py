@@ -36,7 +36,7 @@ _AROUND = 1.0
 
 
 class FilmedWorld(SteppedWorld):
-    """A world of which a video is made, and otherwise the world that it has."""
+    """A world that passes all calls on to another one, and takes the frames of a video of it."""
 
     def __init__(self, world: EmbeddedWorld, scene: Scene, runs: Sequence[PlacedRobot]) -> None:
         self._world, self._steps, self._every = world, 0, round(FRAME / world.step_seconds)
@@ -53,23 +53,23 @@ class FilmedWorld(SteppedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, and take every frame."""
-        for some in self._pieces(steps):
-            self._world.step(some)
+        for piece in self._pieces(steps):
+            self._world.step(piece)
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts before the first step."""
-        contacts = [self._world.step_with_contacts(some) for some in self._pieces(steps)]
+        """Simulate this number of steps, and return the contacts before the first step."""
+        contacts = [self._world.step_with_contacts(piece) for piece in self._pieces(steps)]
         return contacts[0] if contacts else ()
 
     def _pieces(self, steps: int) -> Iterator[int]:
-        """Yield the steps up to each frame, which is taken before they are simulated, and those up to the end."""
+        """Yield numbers of steps, each up to the next frame or the end; a frame is taken before its steps."""
         while steps:
             if self._steps % self._every == 0:
                 self._animation.add(self._view.picture(self._world.link_poses()))
-            some = min(steps, self._every - self._steps % self._every)
-            yield some
-            self._steps += some
-            steps -= some
+            piece = min(steps, self._every - self._steps % self._every)
+            yield piece
+            self._steps += piece
+            steps -= piece
 
     def video(self) -> bytes:
         """Return the video up to now, an animated WebP in real time, with the end as its last frame."""

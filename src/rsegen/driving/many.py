@@ -2,12 +2,12 @@
 
     ManyPlan --execute--> ManyDrive for each map, in order --> ManyDrives: table, share, interval
 
-A drive is that of `rsegen drive` over the same map, bit by bit, wherever it is simulated; in a batch simulator it is
-that drive in 32 bits. One that has no result, as its physics failed, is a row that says so, and counts neither as
-crossed nor as not.
+A drive is the same as `rsegen drive` over the same map, bit by bit, wherever it is simulated; in a batch simulator it
+is that drive in 32 bits. A drive without a result, as its physics failed, is a row with the reason, and counts neither
+as crossed nor as not.
 
 The interval is Wilson's, which holds for shares near 0 and 1 too (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927). What
-breaks it: maps that are not independent, as those of a recipe without random obstacles.
+breaks it: maps that are not independent, as in a recipe without random obstacles.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class ManyPlan:
     batch: BatchSimulator | None = None
 
     def seed_of(self, index: int) -> int:
-        """Return the seed of the start and route on a map: that of the recipe, and the map's index."""
+        """Return the seed of the start and route on a map: the recipe's seed plus the map's index."""
         return (self.recipe.seed + index) % SEEDS
 
 
@@ -199,7 +199,7 @@ def _is_nan(value: object) -> bool:
 
 
 def csv_lines(head: Sequence[str], rows: Iterable[Iterable[object]]) -> Iterator[bytes]:
-    """Yield the lines of a CSV file: 1 and 0 for yes and no, nothing for none and for no number."""
+    """Yield the lines of a CSV file: 1 and 0 for True and False, an empty cell for None and for NaN."""
     text = StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(head)
@@ -232,7 +232,7 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     UserError if no drive has a result; Stopped, with how many are done, after Ctrl-C.
     """
     refuse_too_large(plan.recipe)
-    here = plan.batch or required_simulator("many drives need")
+    simulator = plan.batch or required_simulator("many drives need")
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
     if plan.batch:
@@ -247,13 +247,14 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     except KeyboardInterrupt:
         done = f"{len(drives)} of {len(indices)} drives were done, and are not kept"
         raise Stopped(done, changed=False) from None
+    # A failed drive is a row; if all are, the reason is the result.
     if all(drive.failed for drive in drives):
         problem = f"map {drives[0].map}: {drives[0].failed}"
         raise UserError(problem if len(drives) == 1 else f"none of {len(drives)} drives has a result; {problem}")
     return ManyDrives(
         recipe=plan.recipe,
         robot=plan.robot.kind,
-        simulator=str(here),
+        simulator=str(simulator),
         route=plan.route,
         drives=tuple(drives),
         file=plan.file,
@@ -268,7 +269,7 @@ def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
 
 
 def drive_over(plan: ManyPlan, index: int) -> ManyDrive:
-    """Return the drive over one map; one that has no spot to start at has no result."""
+    """Return the drive over one map; it has no result without a spot to start at, or if the physics fails."""
     scene, seed = compose(plan.recipe, index), plan.seed_of(index)
     try:
         simulator = required_simulator("many drives need")

@@ -119,7 +119,7 @@ class CrossingOfSide(TypedDict):
 class DrawnCrossing(TypedDict):
     """A prediction of whether a robot gets across a map, with its drives."""
 
-    text: str  # why there is none
+    text: str  # why nothing is predicted, else empty
     simulator: str  # with the model of motors
     sides: list[CrossingOfSide]
     ways: list[Across]  # of each drive: it crosses, or ends where the robot stayed
@@ -157,7 +157,7 @@ def _crossing_of_side(name: str, prediction: Prediction) -> CrossingOfSide:
 
 
 def _drive(folder: Path) -> dict[str, Any]:
-    """Return the content of drive.json; a FileError if it is not that of a drive."""
+    """Return the content of drive.json; a FileError if `rsegen drive` did not write it."""
     file = folder / "drive.json"
     try:
         drive = json.loads(text_of(file, _MIB, "a drive"))
@@ -179,6 +179,7 @@ def _robot(folder: Path, robot: Mapping[str, Any]) -> PlayedRobot:
     touches = list(_touches(folder, robot))
     tips = ((float(trajectory.rows[at, 0]), "tips over") for at, _ in _runs(trajectory.tilt > TIPPED))
     outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *tips]
+    # The most important first: if they are too many, those at the end are left out.
     events: list[tuple[float, str, Literal["contact", "trouble", "success"]]] = [
         *((second, "has crossed the map", "success") for second in [_crossed(robot)] if second < inf),
         *((second, text, "trouble") for second, text in outcome),
@@ -194,7 +195,7 @@ def _robot(folder: Path, robot: Mapping[str, Any]) -> PlayedRobot:
 
 
 def _trajectory(file: Path) -> Trajectory:
-    """Return a trajectory without rows that are no numbers; a FileError for a file that has none."""
+    """Return a trajectory without its rows that are not finite; a FileError for a file that has no trajectory."""
     rows = [row for row in csv.reader(io.StringIO(text_of(file, _MIB, "a trajectory"))) if row]
     if not rows or tuple(rows[0]) != COLUMNS:
         raise FileError(f"{file}: not a trajectory of rsegen drive, whose columns are {','.join(COLUMNS)}")
@@ -202,10 +203,10 @@ def _trajectory(file: Path) -> Trajectory:
         values = np.array([[float(cell) for cell in row] for row in rows[1:]], np.float64).reshape(-1, len(COLUMNS))
     except ValueError:
         raise FileError(f"{file}: has a row that is not {len(COLUMNS)} numbers") from None
-    kept = values[np.isfinite(values).all(axis=1)]
-    if not len(kept) or (np.diff(kept[:, 0]) < 0).any():
+    finite = values[np.isfinite(values).all(axis=1)]
+    if not len(finite) or (np.diff(finite[:, 0]) < 0).any():
         raise FileError(f"{file}: has no poses in the order of time")
-    return Trajectory(rows=kept)
+    return Trajectory(rows=finite)
 
 
 _Touch = tuple[float, str, str]
@@ -233,15 +234,16 @@ def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:
 def _contacts(touches: Sequence[_Touch]) -> Iterator[tuple[float, str]]:
     """Yield when a part touches something for the first time, and after each pause."""
     last: dict[str, float] = {}
-    for second, part, other in touches:
+    for second, part, touched in touches:
         if second - last.get(part, -inf) > _PAUSE:
-            yield second, f"{part} touches {other}"
+            yield second, f"{part} touches {touched}"
         last[part] = second
 
 
 def _falls(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
     """Yield when a robot comes down faster than it drives down, and by how much."""
     seconds, z = trajectory.rows[:, 0], trajectory.rows[:, 3]
+    # For each row the last one within that time.
     ahead = np.minimum(np.searchsorted(seconds, seconds + _WITHIN, side="right"), len(z)) - 1
     for at, until in _runs(z - z[ahead] > _FALL):
         yield float(seconds[at]), f"falls by {100 * (z[at] - z[at : ahead[until - 1] + 1].min()):.0f} cm"

@@ -1,20 +1,20 @@
-"""Ways that are driven: planned by poses, tried in the embedded simulator, and planned anew by what drives have shown.
+"""Ways that robots drive: planned by poses, tried in the embedded simulator, and planned anew from these drives.
 
     Planner --way--> drives --held at a place--> evidence --way--> drives --crossed--> spread of drives --> way
        ^                                            |
        +---- where robots got on, and were held ----+
 
-Poses find ways in a second, but know neither swing, nor slip, nor what a robot does after it has fallen. So a way is
-driven with the errors of a spread (prediction.py). Once a drive has failed, the next way is planned: over what drives
-have passed rather than what nobody has tried, and around the places that held them (standing/evidence.py). It may be
-the same way again; once two of its drives have failed it is given up. One that is sure is taken, or else the best of
-those that were tried. Of several ways that are crossed by chance some cross in all of their first drives: so a later
-way is sure only by all drives of a spread.
+Poses find ways in a second, but show neither swing, nor slip, nor what a robot does after it has fallen. So a way is
+driven with the errors of a spread (prediction.py). Once a drive has failed, the next way is planned: it prefers moves
+that drives passed to untried ones, and leads around places that held a robot (standing/evidence.py). It may be the same
+way again; after two failed drives a way is given up. The first sure way is taken, or else the best way that was tried.
+Of several ways that are crossed by chance, some are crossed in all of their first drives: so a later way is sure only
+after all drives of a spread.
 
-Where the first way is not sure, straight lanes come next on which poses get to the end, before ways are planned anew:
-they are easier to follow, and some robots are held by what bends ask of their casters. On 15 fresh fields, with both
-models of motors, a maker's TurtleBot3 had a sure way in 15 of 30 cases in place of nine, for 20 s of CPU each as
-before. If poses find no way at all, the lanes are tried on which they get farthest.
+If the first way is not sure, straight lanes that poses drive to the end come next, before ways are planned anew: they
+are easier to follow, and bends hold some robots by their casters. On 15 fresh fields, with both models of motors, a
+maker's TurtleBot3 had a sure way in 15 of 30 cases in place of nine, for 20 s of CPU each as before. If poses find no
+way at all, the lanes on which they get farthest are tried.
 
 Cost: up to sixteen plans of a fifth of a second, and a drive or two for each; of ways that are crossed by chance some
 sixty drives. What breaks it: a map whose ways all lead through one place that is crossed by chance.
@@ -62,62 +62,63 @@ that crosses everything by chance."""
 
 @dataclass(kw_only=True, slots=True)
 class _Tried:
-    """A way that is tried, and what its drives say so far; why not, if none has a result."""
+    """A way that is tried, with the prediction from its drives so far, and the error if none has a result."""
 
     run: RobotRun
-    found: Prediction | None = None
+    prediction: Prediction | None = None
     error: SimulatorFailed | None = None
 
     @property
     def failures(self) -> int:
         """The number of its drives that have failed."""
-        return self.found.failed if self.found else 0
+        return self.prediction.failed if self.prediction else 0
 
     @property
     def has_crossed(self) -> bool:
         """Return whether one of its drives has crossed."""
-        return bool(self.found and self.found.crossed)
+        return bool(self.prediction and self.prediction.crossed)
 
     @property
     def probability(self) -> float:
-        """The probability of crossing as far as it is known; below all without a drive."""
-        return self.found.probability if self.found else -1.0
+        """The probability of crossing as far as it is known; -1, below all others, without a drive."""
+        return self.prediction.probability if self.prediction else -1.0
 
     def drive(self, predictor: Predictor, scene: Scene, failures: int, *, is_first: bool) -> Sequence[Outcome]:
-        """Drive until that many drives have failed, or all of a prediction are done; return what was driven.
+        """Drive until that many drives have failed, or all of a prediction are done; return the new outcomes.
 
-        is_first: whether few drives are enough; of some ways one does well in them by chance
+        is_first: whether this is the first way, for which few drives are enough; out of several ways, one may do well
+        in few drives by chance
         """
-        known = self.found
+        known = self.prediction
         try:
-            self.found = predictor.tried(scene, self.run, failures, known)
+            self.prediction = predictor.tried(scene, self.run, failures, known)
         except SimulatorFailed as error:
             self.error = error
             return ()
         if self.failures < failures:
             chosen = not is_first
-            self.found = predictor.predict(scene, self.run, self.found, failures=_FAILURES, is_chosen=chosen)
-        return self.found.outcomes[known.drives if known else 0 :]
+            self.prediction = predictor.predict(scene, self.run, self.prediction, failures=_FAILURES, is_chosen=chosen)
+        return self.prediction.outcomes[known.drives if known else 0 :]
 
     def is_done(self, predictor: Predictor) -> bool:
         """Return whether it is given up, or all of its drives are done."""
-        return self.failures >= _FAILURES or bool(self.found and self.found.next_drive >= predictor.drives)
+        return self.failures >= _FAILURES or bool(self.prediction and self.prediction.next_drive >= predictor.drives)
 
     def close(self, planner: Planner) -> None:
-        """Close the places that held its drives: it is given up, and still the best of what is known."""
-        if self.found and self.run.way:
-            for end in self.found.ends:
+        """Close the places that held its drives: the way is given up, but would else be planned again."""
+        if self.prediction and self.run.way:
+            for end in self.prediction.ends:
                 planner.learn(self.run.way.points, (end.x, end.y), held=inf)
 
 
 def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: str) -> Prediction:
     """Return how surely a robot gets from west to east, on the surest of the ways that were tried.
 
-    best: of which sort ways are, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
+    best: criterion of the planned ways, one of rsegen.standing.lattice.BEST. SimulatorFailed if no drive has a result.
     """
     search = _Search(predictor, scene, robot)
     search.try_ways(robot.body, best)
-    if not search.tried and predictor.motors != MOTORS[0]:  # these lift casters over some edges that hold them else
+    if not search.tried and predictor.motors != MOTORS[0]:  # motors that do not act back lift casters over more edges
         search.try_ways(replace(robot.body, reaction=False), best)
     if not search.tried:
         search.try_lanes(robot.body, passed=False)
@@ -136,60 +137,62 @@ class _Search:
 
     @property
     def is_sure(self) -> bool:
-        """Return whether one of them is crossed surely enough."""
-        return any(one.probability >= SURE for one in self.tried.values())
+        """Return whether one of the ways is crossed surely enough."""
+        return any(tried.probability >= SURE for tried in self.tried.values())
 
     def surest(self) -> Prediction:
-        """Return what is predicted of the surest one; SimulatorFailed if no drive has a result.
+        """Return the prediction of the surest way; SimulatorFailed if no drive has a result.
 
-        Few drives gave each up, so the best of them is driven on until it fails once more, and then what is best now.
+        Ways were given up after few drives. So the best one is driven on until it fails once more, and then the way
+        that is best now, until all drives of the best one are done.
         """
         while True:
-            best = max(self.tried.values(), key=lambda one: (one.has_crossed, one.probability))
-            if best.found is None:
+            best = max(self.tried.values(), key=lambda tried: (tried.has_crossed, tried.probability))
+            if best.prediction is None:
                 raise best.error or SimulatorFailed("no way could be driven")
-            known, failures = best.found.next_drive, best.failures + 1 if best.has_crossed else inf
-            best.found = self.predictor.predict(self.scene, best.run, best.found, failures=failures)
-            if not best.has_crossed or best.found.next_drive == known:
-                return best.found
+            known, failures = best.prediction.next_drive, best.failures + 1 if best.has_crossed else inf
+            best.prediction = self.predictor.predict(self.scene, best.run, best.prediction, failures=failures)
+            if not best.has_crossed or best.prediction.next_drive == known:
+                return best.prediction
 
     def try_ways(self, body: Body, best: str) -> None:
-        """Try ways of a body, each planned by what the drives before have shown, and lanes, until one is sure."""
+        """Try ways of a body, each planned from the drives before, and lanes, until one is sure."""
         planner = Planner(Lattice(self.scene.field, body, best, partial(report_share, "a way across")))
-        for number in range(_PLANS):
+        for plan in range(_PLANS):
             way = planner.way(0, checked=False)  # drives check it
             if way is None:
                 break
-            one = self._tried(way)
-            if one.is_done(self.predictor):
-                if not one.failures:
+            tried = self._tried(way)
+            # Planned again although no more drives of it are to be done: without a failure it stays the best way.
+            if tried.is_done(self.predictor):
+                if not tried.failures:
                     break
-                one.close(planner)
+                tried.close(planner)
                 continue
-            for outcome in self._drive(one, one.failures + 1):
+            for outcome in self._drive(tried, tried.failures + 1):
                 x, y = outcome.path[-1].tolist()
                 planner.learn(way.points, (x, y) if outcome.reason else None)
-            if not number and (one.failures or one.error):
+            if not plan and (tried.failures or tried.error):
                 self.try_lanes(body, passed=True)
-            if one.error or self.is_sure:
+            if tried.error or self.is_sure:
                 break
         report_share("a way across", 1)
 
     def try_lanes(self, body: Body, *, passed: bool) -> None:
-        """Try the straight lanes on which poses of a body get farthest, those in the middle first, until one is sure.
+        """Try the straight lanes on which poses get farthest, of equal ones the middle ones first, until one is sure.
 
-        passed: whether only lanes are tried that poses drive to their ends
+        passed: True to try only lanes that poses drive to their ends
         """
         field = self.scene.field
         lanes, aside = straight(field, body, 0), np.abs(across(field, 0))
         order = np.lexsort([aside, -lanes.last])
-        for number in order[lanes.passed[order] | (not passed)][:_LANES].tolist():
-            self._drive(self._tried(lane_way(lanes, number, field, body)), _FAILURES)
+        for lane in order[lanes.passed[order] | (not passed)][:_LANES].tolist():
+            self._drive(self._tried(lane_way(lanes, lane, field, body)), _FAILURES)
             if self.is_sure:
                 break
 
     def _tried(self, way: Way) -> _Tried:
-        """Return a way that is tried, from now on if it was not."""
+        """Return the drives of a way: the known ones, or none so far."""
         scene, robot = self.scene, self.robot
         planned = followed(scene.field, robot.body, way)
         key = planned.points.tobytes()
@@ -198,24 +201,24 @@ class _Search:
             self.tried[key] = _Tried(run=run)
         return self.tried[key]
 
-    def _drive(self, one: _Tried, failures: int) -> Sequence[Outcome]:
+    def _drive(self, tried: _Tried, failures: int) -> Sequence[Outcome]:
         """Drive along a way until that many drives have failed; few drives are enough for the first way alone."""
-        return one.drive(self.predictor, self.scene, failures, is_first=len(self.tried) == 1)
+        return tried.drive(self.predictor, self.scene, failures, is_first=len(self.tried) == 1)
 
 
 def required_simulator(purpose: str) -> EmbeddedSimulator:
-    """Return the simulator in the box; NoSimulator, after a purpose such as "many drives need", if there is none."""
-    here = embedded_simulator(None)
-    if here is None or here.version() is None:
-        hint = "; ".join(here.how_to_install) if here else "this rsegen has no embedded simulator"
+    """Return the embedded simulator; NoSimulator, which begins with a purpose like "many drives need", without one."""
+    simulator = embedded_simulator(None)
+    if simulator is None or simulator.version() is None:
+        hint = "; ".join(simulator.how_to_install) if simulator else "this rsegen has no embedded simulator"
         raise NoSimulator(f"{purpose} MuJoCo; to install it: {hint}")
-    return here
+    return simulator
 
 
 def predictor_for(backend: str | None, motors: str | None = None, workers: int = 1) -> Predictor | None:
-    """Return what predicts drives in a simulator; None without a simulator in the box.
+    """Return the predictor of drives in a simulator; None if no embedded simulator is installed.
 
-    Motors are those that are given, else as in the simulator: those of Gazebo Classic do not act back on the chassis.
+    motors: their model, by default as in that simulator: in Gazebo Classic motors do not act back on the chassis
     """
     simulator = embedded_simulator(None)
     if simulator is None or simulator.version() is None:
@@ -235,38 +238,39 @@ def planned_runs(  # noqa: PLR0913  # as robot_runs
     seed: int,
     best: str,
 ) -> tuple[Sequence[RobotRun], Prediction | None]:
-    """Return the runs of robots on a route, and how surely one gets across; None on a random route, or of several.
+    """Return the runs of robots on a route, and the prediction of a crossing; None on a random route, or for several.
 
-    Without a predictor ways are those of poses alone.
+    Without a predictor ways are planned by poses alone.
     """
     if predictor is None or route not in (AlongWay.name, Straight.name) or (route == Straight.name and count > 1):
         return robot_runs(scene.field, robot, route, count=count, seed=seed, best=best), None
     if route == AlongWay.name:
-        found = predict_way(predictor, scene, robot, best)
-        return runs_along(scene.field, robot, cast("PlannedWay", found.way), count), found
+        prediction = predict_way(predictor, scene, robot, best)
+        return runs_along(scene.field, robot, cast("PlannedWay", prediction.way), count), prediction
     runs = robot_runs(scene.field, robot, route, count=count, seed=seed)
     return runs, predictor.predict(scene, runs[0])
 
 
 def predictions(robot: object, scene: Scene) -> Mapping[str, Prediction]:
-    """Return how surely a robot gets across a map, by the names of sides; nothing without a simulator in the box.
+    """Return how surely a robot gets across a map, by the names of sides; empty if no embedded simulator is installed.
 
     (`Capability.predictor`)
     """
     predictor = predictor_for(None, workers=cores())
     if predictor is None or not isinstance(robot, DrivableRobot):
         return {}
-    found = {}
+    # Drives lead from west to east: for south to north the map is turned, and the prediction is turned back.
+    by_side = {}
     for side, turned in {"west_east": scene, "south_north": northward(scene)}.items():
         with suppress(SimulatorFailed):
-            found[side] = predict_way(predictor, turned, robot, BEST[0])
-    if "south_north" in found:
-        found["south_north"] = _turned_back(found["south_north"])
-    return found
+            by_side[side] = predict_way(predictor, turned, robot, BEST[0])
+    if "south_north" in by_side:
+        by_side["south_north"] = _turned_back(by_side["south_north"])
+    return by_side
 
 
 def northward(scene: Scene) -> Scene:
-    """Return a scene turned by 90 degrees clockwise, so that what was north is east."""
+    """Return a scene turned by 90 degrees clockwise, so that its north is east."""
     field = scene.field
     turned = replace(field, levels=field.levels[::-1].T.copy(), frame=field.frame[::-1].T.copy())
     return replace(scene, field=turned)
@@ -276,19 +280,20 @@ _SIDES = {
     f"{LEAVES} {turned} of it": f"{LEAVES} {side} of it"
     for turned, side in {"north": "west", "south": "east", "east": "north", "west": "south"}.items()
 }
-"""The reason of an end in a scene that was turned, and in the scene."""
+"""Reason of an end in a turned scene -> in the scene itself."""
 
 
-def _turned_back(found: Prediction) -> Prediction:
-    """Return a prediction about a scene that was turned by `northward`, with places of the scene."""
+def _turned_back(prediction: Prediction) -> Prediction:
+    """Return a prediction for a scene, made for that scene turned by `northward`."""
     outcomes = tuple(
-        replace(one, path=_back(one.path), reason=_SIDES.get(one.reason, one.reason)) for one in found.outcomes
+        replace(outcome, path=_back(outcome.path), reason=_SIDES.get(outcome.reason, outcome.reason))
+        for outcome in prediction.outcomes
     )
-    return replace(found, outcomes=outcomes, way=found.way and _way_back(found.way))
+    return replace(prediction, outcomes=outcomes, way=prediction.way and _way_back(prediction.way))
 
 
 def _way_back(way: PlannedWay) -> PlannedWay:
-    """Return a way of a scene that was turned by `northward` in the scene, with the places that it names."""
+    """Return a way in a scene, found in that scene turned by `northward`, with the places that it names."""
 
     def places(known: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         return tuple((x, y) for x, y in _back(np.reshape(known, (-1, 2))).tolist())
@@ -299,5 +304,5 @@ def _way_back(way: PlannedWay) -> PlannedWay:
 
 
 def _back(points: Array) -> Array:
-    """Return points (n, 2) of a scene that was turned by `northward` in the scene."""
+    """Return points (n, 2) in a scene, found in that scene turned by `northward`."""
     return points[:, ::-1] * (-1.0, 1.0)

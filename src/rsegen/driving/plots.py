@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _RIM, _RIM_SHARE, _MARGIN = 0.1, 0.02, 1.5
-"""Width, metres, of the ground around the map that is drawn at least, also as a share of the longer side of the map,
-and at most, so that the map stays large; farther, by up to twice the side of the map, if a robot starts there."""
+"""Width, metres, of the ground around the map that is drawn: the least, the least as a share of the longer side of the
+map, and the largest, so that the map stays large; more, up to twice the side of the map, if a robot starts there."""
 
 _NARROW, _LOW = 1.0, 0.5
 """Inches along x and y below which only the middle of an axis has a number, as others would overlap."""
@@ -57,7 +57,7 @@ def trajectory_plot(
 ) -> bytes:
     """Return a picture: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
 
-    Rows that are no numbers are left out. The file carries the map's recipe.
+    Rows that are not finite are left out. The file carries the map's recipe.
     """
     from matplotlib import rc_context
 
@@ -77,7 +77,7 @@ def trajectory_plot(
         return figure_bytes(figure, scene, format)
 
 
-def prediction_plot(scene: Scene, robot: str, found: Prediction, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+def prediction_plot(scene: Scene, robot: str, prediction: Prediction, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """Return a picture of all drives of a prediction: those that do not cross end at a cross.
 
     The file carries the map's recipe.
@@ -85,11 +85,11 @@ def prediction_plot(scene: Scene, robot: str, found: Prediction, format: str = "
     from matplotlib import rc_context
 
     with rc_context(PAPER):
-        counts = f"{found.crossed} of {found.drives} drives"
-        title = f"{scene.name}, {robot}:\ncrosses with probability {found.probability:.2f} ({counts})"
-        figure, axes = _plan(scene, [outcome.path for outcome in found.outcomes], title)
-        named = set()
-        for outcome in found.outcomes:
+        counts = f"{prediction.crossed} of {prediction.drives} drives"
+        title = f"{scene.name}, {robot}:\ncrosses with probability {prediction.probability:.2f} ({counts})"
+        figure, axes = _plan(scene, [outcome.path for outcome in prediction.outcomes], title)
+        named = set()  # of the drives of an outcome one is in the legend
+        for outcome in prediction.outcomes:
             colour, dashes = _ENDED if outcome.reason else _CROSSED
             label = "did not cross" if outcome.reason else "crossed"
             _draw_line(axes, outcome.path, colour, dashes, "" if label in named else label)
@@ -97,8 +97,8 @@ def prediction_plot(scene: Scene, robot: str, found: Prediction, format: str = "
             if outcome.reason:
                 cross: dict[str, Any] = {"markersize": 5, "markeredgecolor": "white", "markeredgewidth": 0.5}
                 axes.plot(*outcome.path[-1:].T, "X", color=colour, **cross)
-        if found.way:
-            _draw_way(axes, found.way.points)
+        if prediction.way:
+            _draw_way(axes, prediction.way.points)
         _draw_legend(figure, axes, scene)
         return figure_bytes(figure, scene, format)
 
@@ -145,7 +145,7 @@ def _draw_way(axes: Axes, points: Array) -> None:
 
 
 def _draw_legend(figure: Figure, axes: Axes, scene: Scene) -> None:
-    """Draw below the plan which line is what, and which colour is how high."""
+    """Draw the legend of lines, and of the colours of heights, below the plan."""
     lines, _ = axes.get_legend_handles_labels()
     heights = legend_swatches(scene, _HEIGHTS)
     room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 2.4, "handletextpad": 0.5}

@@ -1,4 +1,4 @@
-"""Does a robot get across? The probability, as the share of a spread of drives, and where and why it ends otherwise.
+"""Prediction of a crossing: its probability, as the share of a spread of drives, and where and why others end.
 
     scene, run --spread_run, drive--> outcomes, batch by batch --> Prediction: probability, interval, most likely end
 
@@ -55,12 +55,12 @@ _HELD = {"reaction": 3.0, "classic": 6.0}
 motors do not act back spin at an edge, and some of TurtleBot3's come over it after four to ten seconds."""
 
 _WITHIN, _TURNED = 0.01, radians(2.5)
-"""Metres by which it comes on in them at most, and radians by which it turns. A robot that comes on by more than SLOW
-of its speed is not held either. Those that are held come on by a millimetre; small wheels creep over edges by a
+"""Metres by which a held robot comes on in that time at most, and radians by which it turns. A robot that comes on by
+more than SLOW of its speed is not held either. Held robots come on by a millimetre; small wheels creep over edges by a
 centimetre or two, and half of them get free."""
 
 _TOGETHER = 7
-"""Drives that are done together: half of those of a spread beyond the first ones."""
+"""Drives that are done together: half of the 14 drives of a spread after the first six."""
 
 DRIVE_SECONDS = 0.5
 """CPU seconds that a drive takes, about."""
@@ -69,7 +69,7 @@ _BAR = "drives"
 """Label of the progress bar."""
 
 _SEEN = 0.25
-"""Seconds between the places of a drive that are kept."""
+"""Seconds between the places in the path of an outcome."""
 
 _LONG, _MORE = 3.0, 15.0
 """Times the length of its way at full speed, and seconds more, after which a robot has not crossed."""
@@ -90,9 +90,7 @@ def _middle(places: Sequence[Array]) -> tuple[float, float]:
 class DriveEnd(NamedTuple):
     """An end of drives that do not cross: the reason, in words after "the robot", a place, and their number.
 
-    The place is that of the drive in their middle.
-
-    x, y: metres
+    x, y: where the drive in their middle ended, metres
     """
 
     reason: str
@@ -186,12 +184,12 @@ class Prediction(Reported):
         counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, {self.motors} motors"
         if self.crossed in (0, self.drives):  # the probability is an estimate of theirs, by a prior
             counts += f"; so few cannot prove {self.crossed / self.drives:.2f}"
-        rest = "otherwise it mostly" if self.crossed else "it mostly"
-        end = f"; {rest} {self.ends[0]}" if self.ends else ""
+        subject = "otherwise it mostly" if self.crossed else "it mostly"
+        end = f"; {subject} {self.ends[0]}" if self.ends else ""
         yield f"crosses with probability {self.probability:.2f} ({counts}){end}"
 
     def as_json(self) -> dict[str, object]:
-        """Return it for JSON."""
+        """Return the prediction for JSON."""
         names = ("crossed", "drives", "simulator", "motors", "seconds")
         return {
             "probability": round(self.probability, 4),
@@ -203,10 +201,10 @@ class Prediction(Reported):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Predictor:
-    """Drives in the embedded simulator that show whether robots get across.
+    """A predictor of crossings, by drives in the embedded simulator.
 
-    motors: the model of motors that they have; drives: how many decide at most
-    workers: processes for those drives that follow if the first ones do not all end alike
+    motors: the model of motors; drives: how many decide at most
+    workers: processes for the drives that follow if the first ones do not all end alike
     """
 
     simulator: EmbeddedSimulator
@@ -215,18 +213,18 @@ class Predictor:
     workers: int = 1
 
     def tried(self, scene: Scene, run: RobotRun, failures: float = inf, known: Prediction | None = None) -> Prediction:
-        """Return what the first drives say, up to a number of them that do not cross; SimulatorFailed without any.
+        """Return the prediction from the first drives, until `failures` do not cross; SimulatorFailed without a result.
 
-        known: what the first of them have said already
+        known: the prediction from some of them, which are not done again
         """
-        outcomes, number = (list(known.outcomes), known.next_drive) if known else ([], 0)
-        while number < min(FIRST, self.drives):
-            outcomes += self._outcomes(scene, run, [number])
-            number += 1
-            report_share(_BAR, number / self.drives)
+        outcomes, next_drive = (list(known.outcomes), known.next_drive) if known else ([], 0)
+        while next_drive < min(FIRST, self.drives):
+            outcomes += self._outcomes(scene, run, [next_drive])
+            next_drive += 1
+            report_share(_BAR, next_drive / self.drives)
             if sum(outcome.seconds is None for outcome in outcomes) >= failures:
                 break
-        return self._prediction(outcomes, run, number)
+        return self._prediction(outcomes, run, next_drive)
 
     def predict(
         self,
@@ -239,28 +237,30 @@ class Predictor:
     ) -> Prediction:
         """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.
 
-        known: what the first drives have said already; failures: after as many drives that do not cross, or some more,
-        it is enough; is_chosen: if the first ones all cross, that is not enough, as the run was chosen by it
+        known: the prediction from drives already done
+        failures: end after about as many drives that do not cross
+        is_chosen: do all drives even if the first ones all cross, as the run was chosen from several
         """
-        found, work = self.tried(scene, run, failures, known), partial(self._outcomes, scene, run)
-        is_enough = not found.crossed or (not found.failed and not is_chosen)
+        # The first drives decide alone if they all end alike.
+        prediction, work = self.tried(scene, run, failures, known), partial(self._outcomes, scene, run)
+        is_enough = not prediction.crossed or (not prediction.failed and not is_chosen)
         together = self.drives if failures == inf else _TOGETHER  # for any number of workers
-        while found.next_drive < self.drives and found.failed < failures and not is_enough:
-            rest = range(found.next_drive, min(found.next_drive + together, self.drives))
-            outcomes = list(found.outcomes)
-            for batch in execute(work, rest, DRIVE_SECONDS, Execution(workers=self.workers)):
+        while prediction.next_drive < self.drives and prediction.failed < failures and not is_enough:
+            drives = range(prediction.next_drive, min(prediction.next_drive + together, self.drives))
+            outcomes = list(prediction.outcomes)
+            for batch in execute(work, drives, DRIVE_SECONDS, Execution(workers=self.workers)):
                 outcomes += batch
                 report_share(_BAR, len(outcomes) / self.drives)
-            found = self._prediction(outcomes, run, rest.stop)
+            prediction = self._prediction(outcomes, run, drives.stop)
         report_share(_BAR, 1)
-        return found
+        return prediction
 
     def _outcomes(self, scene: Scene, run: RobotRun, numbers: Sequence[int]) -> list[Outcome]:
         """Return the outcomes of drives; one whose physics fails counts neither way."""
         outcomes = []
-        for number in numbers:
+        for drive in numbers:
             with suppress(SimulatorFailed):
-                outcomes.append(spread_drive(self.simulator, scene, run, number, self.motors))
+                outcomes.append(spread_drive(self.simulator, scene, run, drive, self.motors))
         return outcomes
 
     def _prediction(self, outcomes: Sequence[Outcome], run: RobotRun, next_drive: int) -> Prediction:
@@ -280,7 +280,7 @@ def spread_drive(
 ) -> Outcome:
     """Return the outcome of the drive of a number out of the spread of a run.
 
-    is_whole: whether the drive goes on as long as the robot may still cross, also where it is held
+    is_whole: True to drive on to the time limit where the robot is held
     """
     erring, built = spread_run(scene, run, number)
     decided = erring if is_whole else until_decided(erring, motors)
@@ -291,6 +291,7 @@ def spread_drive(
     metrics = drive_metrics(trajectory, run.robot.driving_speed, run.robot.size, course)
     path = trajectory.rows[:: round(_SEEN / PERIOD), 1:3]
     path = np.append(path, trajectory.rows[-1:, 1:3], axis=0)
+    # The reason is the first of these that is known; without one, the part in contact while the robot was held.
     if metrics.crossed is not None:
         return Outcome(seconds=metrics.crossed, path=path)
     if metrics.tipped:
@@ -318,9 +319,9 @@ def _time_limit(scene: Scene, run: RobotRun) -> float:
 
 @dataclass(kw_only=True, slots=True)
 class _UntilDecided(Route):
-    """A route that ends, besides at its goal, where its robot has tipped over, or has been held for some seconds.
+    """A route that ends, besides at its goal, where its robot has tipped over, or has been held for `held` seconds.
 
-    held: these seconds; within: metres by which a robot that is held comes on in them at most
+    within: metres by which a held robot comes on in that time at most
     """
 
     route: Route
@@ -329,7 +330,7 @@ class _UntilDecided(Route):
     poses: deque[Pose] | None = None
 
     @property
-    def period(self) -> float:  # type: ignore[override]  # that of the route
+    def period(self) -> float:  # type: ignore[override]  # not of the class, as its route has it
         return self.route.period
 
     def motion(self, at: Pose) -> Motion:

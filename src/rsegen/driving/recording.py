@@ -1,11 +1,11 @@
-"""Robots driven over a world in a simulator, and the record of their poses and contacts.
+"""Recordings of drives: robots driven over a world in a simulator, with their poses and contacts over time.
 
 The world is paused while the routes of all robots decide at their poses; then each gets its command, the world steps
 for a period, and contacts are sampled. So the machine's speed decides nothing: the same runs, world and simulator give
 the same trajectories. An embedded simulator keeps a record every 0.05 s, and counts contacts at every step. Poses of a
 server come from its own record, or from the robots' plug-ins. In a batch of worlds routes decide one after the other.
-Cost: that of the physics, and in a server a round trip per period; in Gazebo Classic 0.4 s, as its paused server
-answers five times a second (decision 10). A server that fails is started again, with new routes.
+Cost: the physics, and in a server a round trip per period; in Gazebo Classic 0.4 s, as its paused server answers five
+times a second (decision 10). A server that fails is started again, with new routes.
 """
 
 from __future__ import annotations
@@ -56,9 +56,10 @@ def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[R
     names = set(robots)
     for second, contacts in samples:
         for contact in contacts:
-            for (robot, _, part), (other, _, _) in permutations(name.partition("::") for name in contact.collisions):
-                if robot in names and other != robot:
-                    yield RobotContact(round(second, 3), robot, part, other, *contact.position)
+            # Both ways round, as a contact between two robots is one of each.
+            for (robot, _, part), (touched, _, _) in permutations(name.partition("::") for name in contact.collisions):
+                if robot in names and touched != robot:
+                    yield RobotContact(round(second, 3), robot, part, touched, *contact.position)
 
 
 def contact_shares(samples: ContactSamples, robot: str) -> Mapping[str, float]:
@@ -71,8 +72,8 @@ def contact_shares(samples: ContactSamples, robot: str) -> Mapping[str, float]:
 def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str]:
     """Yield the lines of contacts.csv: a header, then a line per contact."""
     yield ",".join(RobotContact._fields) + "\n"
-    for t, robot, part, other, *point in robot_contacts(samples, robots):
-        yield ",".join([f"{t:g}", robot, part, other, *(f"{round(along, 4) + 0:.4f}" for along in point)]) + "\n"
+    for t, *names, x, y, z in robot_contacts(samples, robots):
+        yield ",".join([f"{t:g}", *names, *(f"{round(along, 4) + 0:.4f}" for along in (x, y, z))]) + "\n"
 
 
 PERIOD = 0.05
@@ -100,11 +101,11 @@ class RobotRun(PlacedRobot):
 class DriveRecording:
     """The recording of a drive: trajectories by robot, contact samples, and the simulator's error lines.
 
+    samples: empty if contacts were not wanted, or if the simulator does not report any
     image, video: a JPEG and an animated WebP, if they are asked for
-
-    There are no samples if contacts were not wanted, or if the simulator does not report any. touched: for each robot,
-    the share of all steps in which each part had contact, where the simulator counts them; notes: on its physics
-    attempts: the number of servers that it took, as those before the last one failed
+    attempts: number of servers that were started; all before the last one failed
+    touched: for each robot, the share of all steps in which each part had contact, if the simulator counts them
+    notes: on the physics of the robots
     """
 
     trajectories: Mapping[str, Trajectory]
@@ -154,11 +155,12 @@ def record_embedded(  # noqa: PLR0913  # as `record_drive`
 def record_batch(
     title: str, worlds: BatchWorlds, runs: Sequence[RobotRun], seconds: float
 ) -> list[DriveRecording | SimulatorFailed]:
-    """Return the recordings of robots that drive in a world each, for `seconds` of simulation time; or why not.
+    """Return the recordings of robots that drive in a world each, for `seconds` of simulation time, or their errors.
 
     Each begins, decides, is recorded and ends as in `record_embedded`; a robot at its goal waits for the others.
     title: of the simulator, for errors. All routes have the same period.
     """
+    # Marks are the steps at which routes decide, or poses are recorded; all worlds step from mark to mark together.
     routes = [run.route() for run in runs]
     period, look, end = (round(part / worlds.step_seconds) for part in (routes[0].period, PERIOD, seconds))
     marks = sorted({*range(0, end, period), *range(0, end, look), end})
@@ -167,7 +169,7 @@ def record_batch(
     failures: dict[int, SimulatorFailed] = {}
 
     def look_at(mark: int) -> None:
-        """Keep where robots are at a mark, and end the drives of worlds that have failed."""
+        """Record the poses of all robots at a mark, and end the drives of worlds that have failed."""
         second = round(marks[mark] * worlds.step_seconds, 6)
         rows[:, mark, 0], rows[:, mark, 1:] = second, worlds.poses()
         for world, why in worlds.problems().items():
@@ -176,14 +178,15 @@ def record_batch(
                 failures[world] = SimulatorFailed(problem)
 
     look_at(0)
-    for number, (begin, until) in enumerate(pairwise(marks)):
+    for mark, (begin, until) in enumerate(pairwise(marks)):
         if begin % period == 0:
-            worlds.drive(*_motions(driving, rows[:, number, 1:]).T)
-            counts = [count if world in driving else min(count, number + 1) for world, count in enumerate(counts)]
+            worlds.drive(*_motions(driving, rows[:, mark, 1:]).T)
+            # The record of a world ends at the first mark at which its robot does not drive.
+            counts = [count if world in driving else min(count, mark + 1) for world, count in enumerate(counts)]
         if not driving:
             break
         worlds.step(until - begin)
-        look_at(number + 1)
+        look_at(mark + 1)
     return [
         failures.get(world)
         or DriveRecording(trajectories={run.name: Trajectory(rows=rows[world, : counts[world]])}, samples=(), errors=())
@@ -192,7 +195,7 @@ def record_batch(
 
 
 def _motions(driving: dict[int, Route], poses: Array) -> Array:
-    """Return v and w of robots at their poses, (worlds, 2); those at their goals leave the driving, and stay."""
+    """Return v and w of robots at their poses, (worlds, 2); robots at their goals stop, and leave `driving`."""
     motions = np.zeros((len(poses), 2))
     for world, route in list(driving.items()):
         at = Pose.of(poses[world].tolist())
@@ -301,11 +304,12 @@ def _rows(poses: Mapping[str, Pose], runs: Sequence[RobotRun]) -> dict[str, list
 
 
 def with_more_digits(record: Record, exact: Record, digits: int) -> Record:
-    """Return a record of poses of few significant digits, with those that are exact at some of its times.
+    """Return a record of poses that have few significant digits, made sharper by exact poses at some of its times.
 
     Between these a robot goes straight as far as the record allows: each number stays within half of its last digit. So
     poses are exact where they are known, and change evenly where the record says nothing, as in `11.2, 11.2, 11.3`.
     """
+    # Angles of the exact poses are unwrapped, so that numbers between pi and -pi are on the short way.
     times = [second for second, _ in exact]
     known = {name: np.array([poses[name] for _, poses in exact]) for name in (exact[0][1] if exact else ())}
     for rows in known.values():
@@ -327,7 +331,7 @@ def with_more_digits(record: Record, exact: Record, digits: int) -> Record:
 def send_commands(
     world: SteppedWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
 ) -> None:
-    """Have every robot drive as its route wants at its pose, or stop if that is no number."""
+    """Command every robot to drive as its route decides at its pose, or to stop if the pose is not finite."""
     for run in runs:
         at = poses[run.name]
         v, w = routes[run.name].motion(at) if all(map(isfinite, astuple(at))) else STOP

@@ -1,7 +1,7 @@
 """The runs of robots of one kind: safe start poses on or next to a map, and a route for each.
 
-A start pose is that of a robot at rest, 5 mm higher, so no part is inside a block: on the ground west of the map, or at
-one of its spots. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
+A start pose is 5 mm above a robot at rest, so that no part is inside a block: on the ground west of the map, or at one
+of its spots. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rsegen.standing.outlines import Outline, Spot, fits
 from rsegen.standing.spots import GAP, find_spots, spot_generator
 
 _POINTS = 8
-"""Points of a way in the distance at which a robot heads for one."""
+"""Points of a way per distance `ahead` at which a robot heads for one of them."""
 
 
 def robot_runs(  # noqa: PLR0913  # the last four by name
@@ -40,9 +40,9 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
 ) -> Sequence[RobotRun]:
     """Return the runs of `count` robots on a route.
 
-    For a straight crossing they start side by side west of the map; along the planned way that is `best` one behind
-    the other; else at spots on the map, or west of it if they are larger than it. ParameterError if there are too few
-    spots; with `evenest` they start at the best places there are.
+    Straight across they start side by side west of the map; along a planned way, of the criterion `best`, one behind
+    the other; on a random route at spots on the map, or west of it if a robot is larger than the map. ParameterError if
+    there are too few spots, unless `evenest` allows other places where a robot stands.
     """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
@@ -65,7 +65,7 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
 
 
 def runs_along(field: StepField, robot: DrivableRobot, way: PlannedWay, count: int = 1) -> Sequence[RobotRun]:
-    """Return the runs of `count` robots along a way, one behind the other, also where they stop: beyond the map."""
+    """Return the runs of `count` robots along a way, which start one behind the other, and stop so beyond the map."""
     first = adjacent_pose(field, robot.body, float(way.points[0, 1]))
     apart = robot.body.length + GAP
     starts = [replace(first, x=first.x - index * apart) for index in range(count)]
@@ -82,7 +82,7 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay, beyond: floa
     """Return the route along a way, and straight on until the whole robot is some metres `beyond` the map."""
     ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP + beyond
     points = np.append(way.points, [(goal + ahead, way.points[-1, 1])], axis=0)
-    # As close together as it takes for the nearest of them to be beside the robot.
+    # Points are that close together that the nearest one is always beside the robot.
     run = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())
     at = np.linspace(0.0, run[-1], ceil(run[-1] / ahead * _POINTS) + 1)
     dense = zip(*(np.interp(at, run, column).tolist() for column in points.T), strict=True)

@@ -1,13 +1,13 @@
-"""Routes: they give a speed and turn rate for a robot's pose, again and again.
+"""Routes: they return a speed and turn rate for a robot's pose, again and again.
 
 Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a point of its line a distance d ahead,
 
     w = 2 v sin(a) / d,    a the angle between its heading and that point
 
-(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is one on which
-the robot's poses are known to be good (standing/planner.py), or, if there is none, the straight lane on which it gets
-farthest. Wandering draws motions at random. Cost: none next to the simulation. What breaks it: a robot that skids, as
-no error is summed up, and a way whose bends are closer together than the robot is long, which it cuts.
+(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is a planned one
+(standing/planner.py) or, if no way leads across, the straight lane on which the robot gets farthest. Wandering draws
+motions at random. Cost: none next to the simulation. What breaks it: a robot that skids, as no error is summed up, and
+bends closer together than the robot is long, which it cuts.
 """
 
 from __future__ import annotations
@@ -23,9 +23,8 @@ import numpy as np
 from rsegen.field.stepfield import StepField
 from rsegen.simulators.poses import Pose, wrapped
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import entry_distance
 from rsegen.standing.planner import best_way
-from rsegen.standing.ways import Way
+from rsegen.standing.ways import Way, ends_across
 
 
 class Motion(NamedTuple):
@@ -44,10 +43,10 @@ _PERIODS_AHEAD = 3
 """Periods of driving to that point at least, so that the robot does not pass it before it decides again."""
 
 _TURN_FIRST = radians(60)
-"""Angle, radians, to the side of which a robot turns on the spot: an arc would lead it far off its way."""
+"""Angle, radians, to the next point from which on a robot turns on the spot: an arc would lead it far off its way."""
 
 _NEXT = 16
-"""Points of a way among which the nearest is looked for, so that no bend of it is left out."""
+"""Next points of a way among which the nearest is looked for: with all, a bend could be skipped."""
 
 _MIN_PROGRESS = 0.2
 """Share of the commanded distance below which a wandering robot backs away: more than a stuck one slips (SLOW)."""
@@ -95,9 +94,9 @@ class Straight(Route):
 
 @dataclass(kw_only=True, slots=True)
 class AlongWay(Route):
-    """A drive along a way of points x and y, at first on the spot to where it leads, to x = goal; metres.
+    """A drive along a way of points x and y to x = goal, metres; first the robot turns on the spot to the way.
 
-    ahead: how far before it the robot heads for a point of the way; passed: the number of the point that it is at
+    ahead: distance of the point that the robot heads for, metres; passed: the index of the point that it is at
     """
 
     name: ClassVar[str] = "way"
@@ -132,10 +131,10 @@ class AlongWay(Route):
 
 @dataclass(kw_only=True, slots=True)
 class Wandering(Route):
-    """A random drive over a rectangle about the origin, half its length and width in metres; at its rim back in.
+    """A random drive over a rectangle about the origin; outside of it the robot turns back.
 
-    Speeds are uniform between a half and the whole, turn rates up to a half of what the robot can. Where it has hardly
-    come on since the last decision, it backs away.
+    Speeds are uniform between half and all of the robot's speed, turn rates up to half of its own to either side. A
+    robot that has hardly come on since the last decision backs away. half: of the length and width, metres
     """
 
     name: ClassVar[str] = "random"
@@ -166,10 +165,9 @@ def _clipped(value: float, most: float) -> float:
 
 
 class PlannedWay(Way):
-    """A way from west to east on which a robot can drive: `points` is never empty.
+    """A way from west to east for a robot to follow: `points` is never empty.
 
-    Without a way it has those of the straight lane that gets farthest, from the ground west of the map to that east of
-    it.
+    If no way leads across, they are the ends of the straight lane that gets farthest, west and east of the map.
     """
 
     __slots__ = ()
@@ -192,15 +190,14 @@ class PlannedWay(Way):
 
 
 def planned_way(field: StepField, body: Body, best: str = "length") -> PlannedWay:
-    """Return the way of a robot across a field from west to east that is best, as in rsegen.standing.lattice.BEST."""
+    """Return the best way of a robot across a field from west to east; best: one of rsegen.standing.lattice.BEST."""
     return followed(field, body, best_way(field, body, 0, best))
 
 
 def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
-    """Return a way from west to east with points also where there is none: those of the lane that gets farthest."""
+    """Return a way from west to east with points to follow: its own or, if it does not cross, of a straight lane."""
     parts = {part.name: getattr(way, part.name) for part in fields(way)}
     if not way.crosses:
         line = (way.at or (0.0, 0.0))[1]
-        ends = -entry_distance(field, body, 0), field.extent[0] / 2 - float(body.low[0])
-        parts["points"] = np.array([(x, line) for x in ends])
+        parts["points"] = np.array([(x, line) for x in ends_across(field, body, 0)])
     return PlannedWay(**parts)

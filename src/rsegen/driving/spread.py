@@ -1,4 +1,4 @@
-"""The spread of a drive: what differs each time that somebody drives the same robot over the same map.
+"""The spread of a drive: the errors that differ each time that somebody drives the same robot over the same map.
 
     run, number --spread_run--> run with its start moved, its position known wrongly; map with errors as built
 
@@ -9,10 +9,10 @@ Beckman and Conover 1979), and so are those that follow: each error is once in e
     friction of six drives  |  x  | x   |    x|x    |   x |  x  |
     their headings          |x    |   x | x   |  x  |    x| x   |     which drive is in which part is random
 
-Six independent drives would miss the sixth of all frictions at which a robot slips once in three times, and end alike
-once in 32 where half of all headings hold it; either looks certain then.
+Assume that a robot slips at a sixth of all frictions: six independent drives would miss them once in three times. Or
+that half of all headings hold it: they would all end alike once in 32 times. Either would look certain.
 
-None is fitted to a simulator or a robot:
+No error is fitted to a simulator or a robot:
 
     START, HEADING      the robot is put down by hand at a mark: within 1 cm and 2 degrees in 95 of 100 cases
     POSITION, BEARING   it knows by its sensors where it is, within some millimetres (Roewekaemper et al., On the
@@ -21,7 +21,7 @@ None is fitted to a simulator or a robot:
     FRICTION            of one pair of materials differs by some 10 % from place to place and day to day
     HEIGHT              blocks are cut within 1 mm (EN 336, tolerance class 2, for sides up to 100 mm): three deviations
 
-What breaks it: errors that are not in it, such as a flat battery, a loose block, wet wood.
+What breaks it: other errors, such as a flat battery, a loose block, wet wood.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ START, HEADING = 0.005, radians(1)
 """Metres by which a start is aside, and radians by which it is turned: standard deviations, as all here."""
 
 POSITION, BEARING = 0.005, radians(0.5)
-"""Metres and radians by which the robot's estimate of its pose is wrong all along a drive, to the side and in turn."""
+"""Metres to the side, and radians, by which the robot's estimate of its pose is wrong all along a drive."""
 
 FRICTION = 0.1
-"""Share by which friction differs, of its logarithm."""
+"""Standard deviation of the logarithm of friction."""
 
 HEIGHT = 0.001 / 3
 """Metres by which a block is higher or lower than drawn."""
@@ -59,7 +59,7 @@ FIRST, MOST = 6, 20
 0.2."""
 
 _LEAST = 1e-9
-"""Least share of a normal distribution that is taken for one: its value is finite."""
+"""Least share of the normal distribution that is drawn: at 0 its value would be infinite."""
 
 _SHORT = 1e-12
 """Squared length, m^2, of a piece of a way that is a point."""
@@ -82,8 +82,9 @@ def spread_run(scene: Scene, run: RobotRun, number: int) -> tuple[RobotRun, AsBu
 def _stratified(scene: Scene, number: int, within: Array) -> list[float]:
     """Return normally distributed errors of a drive out of a Latin hypercube with the drives that decide with it.
 
-    within: (n,), where each is in its part, 0..1
+    within: (n,), where each error is in its part, 0..1
     """
+    # A random permutation for each error says which drive of the group is in which part.
     group = next(group for group in _groups() if number in group)
     rng = generator(scene.recipe.seed, scene.index, f"drives from {group.start}")
     part = rng.random((len(within), len(group))).argsort(axis=1)[:, number - group.start]
@@ -100,19 +101,20 @@ def _groups() -> Iterator[range]:
 
 
 def normals(rng: np.random.Generator, shape: int | tuple[int, ...]) -> Array:
-    """Return normally distributed numbers from uniform ones (Box and Muller 1958), which no numpy changes."""
+    """Return normally distributed numbers from uniform ones (Box and Muller 1958), the same in every numpy."""
     size = int(np.prod(shape))
     radius, angle = np.sqrt(-2 * np.log1p(-rng.random(size))), 2 * np.pi * rng.random(size)
     return np.asarray((radius * np.cos(angle)).reshape(shape))
 
 
 def _near(field: StepField, run: RobotRun) -> Array:
-    """Return which blocks the robot may touch on its run, (n_x, n_y): those next to its line or its way."""
+    """Return which blocks the robot may touch on its run, (n_x, n_y): the ones next to its line or its way."""
     points = run.way.points if run.way else np.array([(-field.extent[0], run.start.y), (field.extent[0], run.start.y)])
     reach = float(np.linalg.norm(run.robot.body_or_box.points[:, :2], axis=1).max()) + _BESIDE
     x, y = np.meshgrid(*field.middles(), indexing="ij")
     near = np.zeros(field.shape, bool)
     for start, end in pairwise(points):
+        # The distance of each block's middle from the piece, at its nearest point.
         along = end - start
         share = (x - start[0]) * along[0] + (y - start[1]) * along[1]
         share = np.clip(share / max(float(along @ along), _SHORT), 0, 1)
@@ -122,14 +124,14 @@ def _near(field: StepField, run: RobotRun) -> Array:
 
 @dataclass(kw_only=True, slots=True)
 class Mislocated(Route):
-    """The route of a robot that believes itself to be aside of where it is, by metres, and turned, by radians."""
+    """The route of a robot that estimates its pose wrongly, by `aside` metres along y and `turn` radians."""
 
     route: Route
     aside: float
     turn: float
 
     @property
-    def period(self) -> float:  # type: ignore[override]  # that of the route
+    def period(self) -> float:  # type: ignore[override]  # not of the class, as its route has it
         """Seconds between decisions."""
         return self.route.period
 

@@ -2,7 +2,7 @@
 
 Robots are added as <model>s, URIs become absolute paths, and physics runs in real time or unthrottled. Gazebo Sim also
 gets the systems that the world does not name: up to Fortress 6.7 the server loads its default systems only if the world
-file has no plug-in at all, and those of a robot count, so time would run and nothing would fall.
+file has no plug-in at all, and a robot's plug-ins count, so time would run and nothing would fall.
 """
 
 from __future__ import annotations
@@ -51,16 +51,17 @@ _MAX_WORLD_MIB = 512
 """The largest world that is read, MiB; parsed it takes several times this in memory."""
 
 _ABSOLUTE = re.compile(r"[a-z][a-z0-9+.-]*:|/|\s*$")
-"""A URI that is no path from the folder of its file: with a scheme, from the root, or empty."""
+"""A URI that is not relative to the folder of its file: with a scheme, from the root, or empty."""
 
 
 def world_with_robots(
     world: Path, models: Iterable[str] = (), *, unthrottled: bool = False, backend: str = "classic"
 ) -> str:
-    """Return the text of a world file with models added, each the text of a <model>; meshes have absolute paths.
+    """Return the text of a world file with models added; its meshes have absolute paths.
 
-    unthrottled: simulated as fast as the machine can, else in real time; backend: that of the installation, whose
-    systems are added where the world does not name them. FileError if the file is not a world.
+    models: texts of <model>s; unthrottled: simulate as fast as the machine can, else in real time
+    backend: of the installation; its systems are added if the world does not name them
+    FileError if the file is not a world.
     """
     root = xml_root(text_of(world, _MAX_WORLD_MIB, "a world"), str(world))
     element = root.find("world")
@@ -83,7 +84,7 @@ def world_with_robots(
 
 
 def time_step(world: str) -> float:
-    """Return the physics step of a world in seconds, from its text; by default that of both Gazebos, a millisecond."""
+    """Return the physics step of a world in seconds, from its text; by default a millisecond, as in both Gazebos."""
     element = fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(element.text or 0) if element is not None else 0.001
 
@@ -93,6 +94,7 @@ def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: 
 
     rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
     """
+    # The same view as the embedded simulator's pictures have (`filming.py`).
     save = f'\n        <save enabled="true"><path>{escape(str(frames))}</path></save>' if frames else ""
     camera = south_west_of(extent, pixels)
     pose = numbers((*camera.place, 0, camera.pitch, camera.yaw))
@@ -116,7 +118,8 @@ def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: 
 
 
 def last_frame(frames: Path) -> bytes:
-    """Return the last picture that was saved, a JPEG; SimulatorFailed if there is none."""
+    """Return the last picture that was saved, a JPEG; SimulatorFailed if none was."""
+    # Gazebo numbers them without leading zeros: the longest name is later.
     pictures = sorted(frames.glob("*.jpg"), key=lambda path: (len(path.name), path.name))
     if not pictures:
         raise SimulatorFailed(

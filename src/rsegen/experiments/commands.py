@@ -51,16 +51,16 @@ def experiment(  # noqa: PLR0913  # each is a flag
 ) -> ExperimentResult:
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
-    If the folder has outcomes of this plan, only the missing trials are run; `force` begins anew, and what is there
-    stays until the new is complete. What `progress` and `watch` raise stops the experiment, and the same call continues
-    it.
+    If the folder has outcomes of this plan, only the missing trials are run; `force` begins anew, and earlier outcomes
+    stay until the new ones are complete. An exception in `progress` or `watch` stops the experiment; the same call
+    continues it.
 
     Parameters
     ----------
     plan : str, path or ExperimentPlan
         The name of an included plan, a YAML file like these, or a plan.
     progress : callable, optional
-        Called with the number of trials that are done, and the next cell.
+        Called with the number of finished trials, and the next cell.
     watch : callable, optional
         Called several times per second during a trial.
 
@@ -114,7 +114,7 @@ def run_experiment(arguments: argparse.Namespace) -> Report:
 
 @contextmanager
 def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
-    """Yield a function for the trials of an experiment; without a terminal each is a line, unless nothing is wanted."""
+    """Yield a function that shows the progress of trials: a bar, or a line for each if it is not a terminal."""
     trials = len(plan.cells) * plan.repeats
     with progress_shown(trials, "trial") as bar:
 

@@ -1,7 +1,7 @@
 """Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats.
 
-A cell of the table is a row at a size and a pace. Cells are tried in a mixed order that the seed decides, each once per
-repeat, so that a noisy hour of the machine does not favour one of them, and so that a stopped experiment goes on alike.
+A cell of the table is a row at a size and a pace. In each repeat all cells are tried once, in a mixed order, so that a
+noisy hour of the machine does not favour one of them. The seed decides the order, so a stopped experiment keeps it.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED
 
 PACES = ("real", "free", "beside", "camera", "window")
-"""Paces of a trial: in real time; as fast as the processor can, which shows what a map costs; so in turns, second by
-second, with an empty world, which tells the two apart on a noisy machine too; in real time with a camera in the server;
-in real time with the simulator's own window."""
+"""Paces of a trial: in real time; at full speed, which shows what a map costs; at full speed in turns with an empty
+world, second by second, whose ratio is right on a noisy machine too; in real time with a camera in the server; in real
+time with the simulator's own window."""
 
 IN_REAL_TIME = ("real", "camera", "window")
 """The paces in real time."""
 
 PLANS = {path.name.removesuffix(".yaml"): path for path in files("rsegen.experiments").joinpath("plans").iterdir()}
-"""The plans that come along, by name."""
+"""The included plans, by name."""
 
 _BLOCKS = 10
 """Blocks per side of a chunk, as in the paper's maps; sizes are multiples of it."""
@@ -108,11 +108,11 @@ class TableRow:
         self.map_of(_BLOCKS, 0)
 
     def map_of(self, size: int, seed: int, room: int = 1) -> Recipe:
-        """Return the recipe of its map with this number of blocks per side; of 0 an empty world, without frames.
+        """Return the recipe of the row's map with this number of blocks per side; 0 for an empty world without frames.
 
         room: chunks along each side of the ground of an empty world on which robots start
         """
-        given = {
+        own = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
             "chunks": [size // _BLOCKS or room] * 2,
@@ -123,15 +123,15 @@ class TableRow:
         }
         empty = {} if size else {"boundary": "none", "obstacles": []}
         with inside("recipe"):
-            return decode({**given, **(self.recipe or {}), **empty})
+            return decode({**own, **(self.recipe or {}), **empty})
 
     def _obstacles(self, chunks: int) -> list[dict[str, Json]]:
-        """Return what stands on a map of this number of chunks along each side."""
+        """Return the obstacles of a map with this number of chunks along each side."""
         if self.maps == "random":
             return [{"kind": "random", "levels": self.levels}]
         if self.maps in _SINGLE:
             return [{"kind": self.maps, "levels": self.levels, **_SINGLE[self.maps]}]
-        # Soft as a single one of the kind; where they lie is drawn for each map.
+        # As soft as a single one of their kind, at random places of each map.
         kinds = [
             {"kind": kind, "levels": self.levels, "softness": _SINGLE[kind].get("softness", 0)} for kind in _SINGLE
         ]
@@ -139,20 +139,20 @@ class TableRow:
 
     @property
     def model(self) -> DrivableRobot:
-        """The robot; a UserError if its file cannot be read or driven, or a kind is given what is a file's."""
+        """The robot; a UserError if its file cannot be read or driven, or if a kind has parameters of a file."""
         return drivable(self.robot, self.wheels, self.tracks, size=self.size, speed=self.speed, turn=self.turn)
 
     @property
     def label(self) -> str:
         """The row in a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
-        return self.what + (f", {shape}" if shape else "")
+        return self.robots_and_maps + (f", {shape}" if shape else "")
 
     @property
-    def what(self) -> str:
+    def robots_and_maps(self) -> str:
         """The robots of the row and the obstacles of its maps, in a few words."""
-        what = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
-        return what if self.maps == "random" else f"{what}, {self.maps.replace('_', ' ')}"
+        robots = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
+        return robots if self.maps == "random" else f"{robots}, {self.maps.replace('_', ' ')}"
 
     def differs_by_simulator(self, other: TableRow) -> bool:
         """Return whether both differ, and only by the simulator."""
@@ -160,7 +160,7 @@ class TableRow:
 
 
 def _in_words(value: Json) -> str:
-    """Return a value of a recipe for a heading; of obstacles their kinds."""
+    """Return a value of a recipe as text of a heading; for obstacles their kinds."""
     if isinstance(value, Mapping):
         return str(value.get("kind", "")) or json.dumps(value)
     if isinstance(value, list):
@@ -214,7 +214,7 @@ class ExperimentPlan:
         )
 
     def in_simulators(self, names: Sequence[str]) -> ExperimentPlan:
-        """Return the plan with a row for each of these simulators, where a row names none itself."""
+        """Return the plan with each row that names no simulator repeated for each of these."""
         rows = (
             replace(row, simulator=name) for row in self.rows for name in ((row.simulator,) if row.simulator else names)
         )
@@ -222,11 +222,11 @@ class ExperimentPlan:
 
     @property
     def tables(self) -> Sequence[Sequence[int]]:
-        """The numbers of the rows that go into one table each, as they differ by the simulator only."""
+        """The tables, as indices of rows: rows that differ by the simulator only share a table."""
         tables: list[list[int]] = []
         for index, row in enumerate(self.rows):
-            like = (table for table in tables if all(self.rows[other].differs_by_simulator(row) for other in table))
-            if (own := next(like, None)) is None:
+            alike = (table for table in tables if all(self.rows[known].differs_by_simulator(row) for known in table))
+            if (own := next(alike, None)) is None:
                 tables.append([index])
             else:
                 own.append(index)
@@ -241,7 +241,7 @@ class ExperimentPlan:
 
 
 def load_plan(name: str) -> ExperimentPlan:
-    """Return the plan of that name, or in a YAML file."""
+    """Return an included plan by its name, or the plan in a YAML file."""
     path = Path(str(PLANS.get(name, name)))
     if not path.suffix:
         raise UnknownName.among("", "plan", name, PLANS)
@@ -252,7 +252,7 @@ def load_plan(name: str) -> ExperimentPlan:
 
 
 def read_plan(name: str, content: Json) -> ExperimentPlan:
-    """Return the plan of a file's content, called `name` if it says none; ParameterError for a wrong value."""
+    """Return the plan of a file's content, called `name` if it has no name; ParameterError for a wrong value."""
     if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
         raise ParameterError("", "not a plan of an experiment; it has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]

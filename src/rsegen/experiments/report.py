@@ -1,9 +1,9 @@
 """The outcomes of an experiment as a Markdown page, CSV and a picture, next to the figures that the paper published.
 
 A cell of the table has several trials. Costs are medians, which a noisy hour moves little, with the means next to them
-where the paper has means; real-time factors are the least, the mean and the most of all; what robots did are means, as
-it is random. The error of a share is the standard
-error of the median of normally distributed values, sqrt(pi / 2 / n) times their standard deviation.
+where the paper has means; real-time factors are the least, the mean and the most of all; figures of robots are means,
+as their routes are random. The error of a share is the standard error of the median of normally distributed values,
+sqrt(pi / 2 / n) times their standard deviation.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class PublishedRow(NamedTuple):
     levels: int
 
 
-# The paper's table 2, and the computer that it was made on, as printed.
+# The paper's table 2, and its computer, as printed.
 COMPUTER = "Ryzen 7 2700X, GeForce 1660, 16 GB"
 
 _CRAWLER = {
@@ -80,8 +80,8 @@ and a lidar."""
 def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
     """Return the paper's figures for the robots and maps of a row, by size.
 
-    It used Classic. Its maps of 10 x 10 blocks have a single obstacle, and all have frames as high as a unit, as on its
-    figure 7. Random blocks it does not have.
+    The paper used Gazebo Classic. Its maps of 10 x 10 blocks have a single obstacle, and all maps have frames as high
+    as a unit, as in its figure 7. It has no random blocks.
     """
     design = {"frame_height_cm": 10, **(row.recipe or {})}
     if (
@@ -99,7 +99,7 @@ SINGLE = 10
 
 
 RESTING = 0.5
-"""Share of the time, in the mean over robots and trials, that robots are stuck in a cell beyond which they rested."""
+"""Mean share of the time that robots of a cell are stuck, beyond which they count as resting."""
 
 
 def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
@@ -108,7 +108,7 @@ def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Ou
 
 
 def values_of(outcomes: Iterable[Outcome], name: str) -> list[float]:
-    """Return a figure of those outcomes that have it."""
+    """Return the values of a figure, of all outcomes that have it."""
     return [value for value in (getattr(outcome, name) for outcome in outcomes) if value is not None]
 
 
@@ -146,11 +146,11 @@ _TITLES = {
     "window": "in real time with the simulator's window",
 }
 _LINES = {"": ("real", "free", "beside"), "with a camera": ("camera",), "with the window": ("window",)}
-"""The paces whose figures are in one line of a table, by what its first cell says."""
+"""Label of a line of a table -> the paces whose figures it has."""
 
 _RENDERING = ("frames per s", "GPU")
 _INCIDENTS = ("off the map", "impossible", "attempts")
-"""The columns that a table has only if their figures were measured."""
+"""Columns that a table has only if their figures were measured."""
 
 _PAPER = ("paper: RTF", "CPU", "memory")
 
@@ -180,14 +180,15 @@ def trials_csv(plan: ExperimentPlan, results: Results) -> str:
     lines.writerow(["row", "trial", "simulator", "robot", "robots", "size", "pace", *names])
     for cell, outcomes in results.items():
         row = plan.rows[cell.row]
-        what = [row.simulator or "", row.robot, row.robots, cell.size, cell.pace]
+        of_cell = [row.simulator or "", row.robot, row.robots, cell.size, cell.pace]
         for trial, outcome in enumerate(outcomes):
-            lines.writerow([cell.row + 1, trial, *what, *(_plain(getattr(outcome, name)) for name in names)])
+            lines.writerow([cell.row + 1, trial, *of_cell, *(_plain(getattr(outcome, name)) for name in names)])
     return text.getvalue()
 
 
 def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
+    # A warning comes before all figures; then sentences only on what this plan and its results have.
     if still := dict.fromkeys(_still(plan, results)):
         yield f"**Robots stood still**, stuck for more than half of the time, where {MARK} is: {'; '.join(still)}.\n"
     yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} per cell, in mixed"
@@ -213,7 +214,7 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
 
 
 def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
-    """Yield the robots and maps of rows in which robots rested, with the reason, if that is known."""
+    """Yield the robots and maps of rows in which robots rested, with the reason if it is known."""
     for index, row in enumerate(plan.rows):
         sizes = [size for size in row.sizes if _rested_at(plan, results, index, size)]
         if not sizes:
@@ -224,12 +225,13 @@ def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
             where = f" in {_title(row)}" if _title(row) else ""
             yield f"{name}{where}, without a map too, so maps are not the reason"
             continue
-        what, robot, smallest = row.what, ROBOTS.get(row.robot), min(sizes)
+        robot, smallest = ROBOTS.get(row.robot), min(sizes)
         above = steps(build(row.map_of(smallest, plan.seed))).share_above(robot.climbs) if robot else None
         if robot and above:
-            yield f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
+            too_high = f"{above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
+            yield f"{row.robots_and_maps}, as {too_high}"
         else:
-            yield f"{what}, for a reason that is not known"
+            yield f"{row.robots_and_maps}, for a reason that is not known"
 
 
 def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) -> bool:
@@ -238,13 +240,13 @@ def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) ->
 
 
 def _has_incidents(results: Results) -> bool:
-    """Return whether it was recorded what happened to robots and servers, which earlier trials have not."""
+    """Return whether incidents and attempts were recorded; trials of earlier versions lack them."""
     return any(values_of(outcomes, "attempts") for outcomes in results.values())
 
 
 def _title(row: TableRow) -> str:
-    here = SIMULATORS.get(row.simulator or "") or EMBEDDED.get(row.simulator or "")
-    return here.title if here else ""
+    simulator = SIMULATORS.get(row.simulator or "") or EMBEDDED.get(row.simulator or "")
+    return simulator.title if simulator else ""
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
@@ -260,15 +262,15 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     yield f"{_line(columns)}\n{'|---' * len(columns)}|"
     # A line for each size, row and kind of pace that was tried.
     for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
-        for (index, row), (what, paces) in product(rows.items(), _LINES.items()):
+        for (index, row), (pace_label, paces) in product(rows.items(), _LINES.items()):
             by_pace = {pace: outcomes_of(results, index, size, pace) for pace in PACES if pace in paces}
             if not any(by_pace.values()):
                 continue
-            label = [", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))]
+            label = [", ".join(filter(None, (f"{size} x {size}" if size else "empty", pace_label)))]
             label += [MARK] if any(map(rested, by_pace.values())) else []
             label += [STARVED_MARK] if any(map(_starved, by_pace.values())) else []
             texts = _cells(by_pace, _empty(plan, results, row), with_means=bool(paper))
-            published = published_figures(row).get(size) if paper and not what else None
+            published = published_figures(row).get(size) if paper and not pace_label else None
             cells = [" ".join(label), *map(texts.__getitem__, titles), *(published or [""] * len(paper))]
             yield _line([*[_title(row)] * several, *cells])
     tried = [outcomes for cell, outcomes in results.items() if cell.row in rows]
@@ -286,10 +288,10 @@ def _cells(
 ) -> dict[str, str]:
     """Return the cells of a line by the titles of their columns.
 
-    empty: the outcomes of the empty world; with_means: also the means of what the paper has as means, in brackets.
-    Speeds are compared with the empty world only if it is known what the robots did.
+    empty: the outcomes of the empty world; with_means: add means, in brackets, to figures that are means in the paper
+    Speeds are compared with the empty world only if the drives of the robots were recorded.
     """
-    # Costs are medians of the paces in real time, or of all; what robots did has a figure for each pace.
+    # Costs are medians of the paces in real time, or of all; figures of robots are given for each pace.
     every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
     real = [outcome for pace in IN_REAL_TIME for outcome in by_pace.get(pace, ())]
     quick = [outcome for pace in ("free", "beside") for outcome in by_pace.get(pace, ())]
@@ -337,7 +339,7 @@ def _starved(outcomes: Sequence[Outcome]) -> list[Outcome]:
 
 
 def _of_the_starved(starved: Sequence[Outcome]) -> str:
-    """Return how many trials were starved, and how little of the machine they had at worst."""
+    """Return the number of starved trials, and their least share of the machine, in words."""
     cpu, simulated = (min(values_of(starved, name), default=None) for name in ("cpu", "simulated"))
     machine = max(values_of(starved, "machine"), default=None)
     facts = [f"{len(starved)} {'trial' if len(starved) == 1 else 'trials'}"]
@@ -348,7 +350,7 @@ def _of_the_starved(starved: Sequence[Outcome]) -> str:
 
 
 def _share(beside: Sequence[Outcome]) -> str:
-    """Return the share of the empty world's speed, simulated in turns with it, and its standard error."""
+    """Return the speed as a share of the empty world's, simulated in turns with it, and its standard error."""
     shares = values_of(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
@@ -356,15 +358,15 @@ def _share(beside: Sequence[Outcome]) -> str:
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
-    """Return the outcomes of these robots in an empty world at full speed, of this row or else of a similar one."""
+    """Return the outcomes of a row's robots in an empty world at full speed, of this row or else of a similar one."""
     alike = _alike(plan, row)
     return next((outcomes for index in alike if (outcomes := outcomes_of(results, index, 0, "free"))), ())
 
 
 def _alike(plan: ExperimentPlan, row: TableRow) -> Iterator[int]:
-    """Yield the numbers of the rows with the same robots and simulator, the row itself first."""
-    for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row):
-        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator):
+    """Yield the indices of the rows with the same robots and simulator, the row itself first."""
+    for index, alike in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row):
+        if (alike.robot, alike.robots, alike.simulator) == (row.robot, row.robots, row.simulator):
             yield index
 
 
@@ -389,7 +391,7 @@ def _plain(value: float | None, digits: int = 4) -> str:
 
 
 _ASIDE = 0.006
-"""Distance between curves, as a share of the largest map: equal figures would hide one another."""
+"""Distance along x between curves, as a share of the largest map: equal figures would hide each other."""
 
 
 _Limits = Callable[[Sequence[Outcome]], tuple[float, float, float] | None]
@@ -443,7 +445,7 @@ def _points(
     pace: str,
     limits: _Limits,
 ) -> list[_Point]:
-    """Return the points of a row at a pace, of the sizes whose outcomes have such limits."""
+    """Return the points of a row at a pace, for the sizes whose outcomes have the figure."""
     by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
     return [_Point(size, *ends, rested(trials)) for size, trials in by_size.items() if (ends := limits(trials))]
 
@@ -455,20 +457,20 @@ def _limits(outcomes: Sequence[Outcome], name: str) -> tuple[float, float, float
 
 
 def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point], label: str) -> None:
-    """Points with their limits; moved a little aside, each curve by another way."""
+    """Draw points with their limits, each curve a little to the side of the others."""
     if not points:
         return
     aside = (index - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
     size, low, value, high, _ = np.array(points).T
-    again, number = divmod(index, 10)  # there are ten colours, and then other lines and markers
-    colour, line, marker = f"C{number}", ("-", "--", ":")[again % 3], "os^"[again % 3]
+    again, hue = divmod(index, 10)  # there are ten colours, and then other lines and markers
+    colour, line, marker = f"C{hue}", ("-", "--", ":")[again % 3], "os^"[again % 3]
     axes.errorbar(size + aside, value, yerr=[value - low, high - value], fmt=line, color=colour, capsize=3, label=label)
     faces = ["white" if point.rested else colour for point in points]
     axes.scatter(size + aside, value, s=36, marker=marker, facecolors=faces, edgecolors=colour, zorder=3)
 
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
-    """The paper's least and most real-time factor, for the rows that are the paper's."""
+    """Draw the paper's least and most real-time factor, for rows that the paper has too."""
     published = {
         (size, *map(float, figures.rtf.split("-")))
         for row in plan.rows
@@ -482,7 +484,7 @@ def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
 
 
 def _finish(axes: Axes, title: str) -> None:
-    """Axes from zero, with room around every point."""
+    """Set labels and limits: from zero up, with room around every point."""
     axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
     axes.margins(x=0.06)
     if axes.has_data():

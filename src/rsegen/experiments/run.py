@@ -1,10 +1,10 @@
 """`rsegen.experiment`: the trials of a plan run one by one, logged as they end, and reported in tables and a plot.
 
     tracks/row1-80-free-0.csv   poses of robots in the first trial of the first row, on 80 x 80 blocks, at pace `free`
-    tracks/row1-80-free.png     a picture of those in the last trial of this cell, on the plan of its map
+    tracks/row1-80-free.png     a picture of the trajectories in the last trial of this cell, on the plan of its map
 
-Outcomes are lines of the journal of the experiment's folder, and a stopped experiment goes on with them. They are read
-as a file from anybody: whatever is no outcome of this plan is refused with its place.
+Outcomes are lines of the journal in the experiment's folder, from which a stopped experiment continues. They may come
+from anybody: a line that is not an outcome of this plan is refused, with its place.
 """
 
 from __future__ import annotations
@@ -69,15 +69,15 @@ class ExperimentResult:
     Attributes
     ----------
     plan : ExperimentPlan
-        What was measured.
+        The plan of the trials.
     results : Results
-        Every cell's outcomes.
+        The outcomes of every cell.
     machine : dict of str
-        The machine that it ran on.
+        The machine that they were measured on.
     folder : Path
         Folder of the files.
     command : str
-        The command line, or the call in Python, that gives them.
+        The command line, or the call in Python, that makes the same experiment.
     """
 
     plan: ExperimentPlan
@@ -116,10 +116,11 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
         done = read_entries(store.journal.content, folder, len(plan.rows))
         store.announce_files([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
         earlier = len(done)
-        for number, (cell, repeat) in enumerate(plan.order()):
-            progress(number, cell)
+        for position, (cell, repeat) in enumerate(plan.order()):
+            progress(position, cell)
             if (cell, repeat) not in done:
-                try:  # first the tracks of a trial are written, then its outcome
+                # First the tracks of a trial are written, then its outcome: a trial in the journal has its files.
+                try:
                     with _errors_of(source, NoSpot):
                         trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
                     if files := track_files(plan, cell, repeat, trial):
@@ -127,28 +128,28 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
                     store.note(journal_entry(cell, repeat, trial.outcome))
                     done[cell, repeat] = trial.outcome
                 except (KeyboardInterrupt, UserError) as error:
-                    there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
-                    raise _ended(error, there, done, earlier) from None
+                    complete = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
+                    raise _ended(error, complete, done, earlier) from None
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
 
 
-def _ended(error: BaseException, there: str, done: Entries, earlier: int) -> BaseException:
-    """Return what ended the trials as the error that also says what is there, with the trials of `earlier` calls.
+def _ended(error: BaseException, complete: str, done: Entries, earlier: int) -> BaseException:
+    """Return the error that ended the trials, with how many are complete; earlier: trials done before this call.
 
-    A larger map may have no room for the robots; exit code 2 means that nothing was changed.
+    A larger map may have no room for the robots; exit code 2, of an error as it is, means that nothing was changed.
     """
     if isinstance(error, KeyboardInterrupt):
-        return Stopped(there, changed=bool(done))
-    return Incomplete(f"{error}; {there}") if len(done) > earlier else error
+        return Stopped(complete, changed=bool(done))
+    return Incomplete(f"{error}; {complete}") if len(done) > earlier else error
 
 
 @contextmanager
 def _errors_of(source: str, sort: type[ParameterError]) -> Iterator[None]:
-    """Name the file, or the name, of a plan in errors of a sort that are raised inside; a plan made in Python has none.
+    """Add the source of a plan, a file or name, to errors of a sort raised inside; a plan made in Python has none.
 
-    Not in every error of a trial, as a wrong variable of the environment is no value of the plan.
+    Only to errors of that sort, as a wrong environment variable, for example, is not a value of the plan.
     """
     try:
         yield
@@ -157,16 +158,16 @@ def _errors_of(source: str, sort: type[ParameterError]) -> Iterator[None]:
 
 
 def _chosen(name: str, timeout: float) -> TrialSimulator:
-    """Return a simulator that is installed, by its name; NoSimulator if it is not."""
-    here = embedded_simulator(name)
-    if here is None:
+    """Return an installed simulator by its name; NoSimulator if it is not installed."""
+    embedded = embedded_simulator(name)
+    if embedded is None:
         return choose_installation("both", name, timeout)
-    here.refuse_missing()
-    return here
+    embedded.refuse_missing()
+    return embedded
 
 
 def _description() -> dict[str, str]:
-    """Processor, cores, memory, system and load of this computer."""
+    """Return the processor, cores, memory, system and load of this computer."""
     import psutil
 
     table = Path("/proc/cpuinfo")
@@ -181,27 +182,29 @@ def _description() -> dict[str, str]:
 
 
 def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> AbstractContextManager[Store]:
-    """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
+    """Open the folder of new or begun results, or with force of their replacement; OutputError if it has others."""
     of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan), **_plugins(plan)}))
-    other = "the outcomes of another plan, or of a robot or plug-in that was changed; use another folder, or force=True"
-    return continued(folder, HOLDS, of, (*REPORT_FILES, *track_names(plan)), force=force, other=other)
+    problem = (
+        "the outcomes of another plan, or of a robot or plug-in that was changed; use another folder, or force=True"
+    )
+    return continued(folder, HOLDS, of, (*REPORT_FILES, *track_names(plan)), force=force, other=problem)
 
 
 def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
-    """Return the checksums of the robots' files: outcomes of a robot that was changed are not those of the plan."""
+    """Return the checksums of the robots' files: outcomes of a changed robot do not belong to the plan."""
     files = [with_arguments(row.robot)[0] for row in plan.rows if is_robot_file(row.robot)]
     checksums = {file: checksum.sha256 for file in files if (checksum := checksum_of(Path(file)))}
     return {"robot_files": checksums} if checksums else {}
 
 
 def _plugins(plan: ExperimentPlan) -> dict[str, Json]:
-    """Return the plug-ins of robots and obstacles: outcomes of another version are not those of the plan either."""
+    """Return the plug-ins of robots and obstacles: outcomes of another version do not belong to the plan either."""
     maps = (row.map_of(max(row.sizes), plan.seed) for row in plan.rows)
     return plugin_identities(maps, (ROBOTS.source(row.robot) for row in plan.rows))
 
 
 def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:
-    """Return the plan with a row for each of these simulators, by default the newest that is installed."""
+    """Return the plan with a row for each of these simulators, by default the newest installed Gazebo."""
     if simulators is not None:
         return plan.in_simulators(list(dict.fromkeys(simulators)))
     if all(row.simulator for row in plan.rows):
@@ -234,7 +237,7 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
 
 
 def _command(plan: str | os.PathLike[str] | ExperimentPlan, folder: Path, simulators: Sequence[str] | None) -> str:
-    """Return the command line that does the same; for a plan made in Python the call."""
+    """Return the command line that makes the same experiment, or the call for a plan made in Python."""
     if isinstance(plan, ExperimentPlan):
         return "rsegen.experiment(plan, output" + (f", simulator={list(simulators)!r})" if simulators else ")")
     flags = ["--simulator", ",".join(simulators)] if simulators else []
@@ -266,27 +269,27 @@ _OUTCOME: Mapping[str, Parameter] = {
     "attempts": Integer(1),
 }
 _OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
-"""Figures that not every trial has: some paces, and robots that are not in the record, lack some of them."""
+"""Figures that a trial may lack: some are of certain paces, others of robots that are in the record."""
 
 Entries = dict[tuple[Cell, int], Outcome]
-"""The outcome of each repeat of a cell that was tried, by its number."""
+"""Outcomes by their cell and the number of the repeat."""
 
 
 def journal_entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
-    """Return an outcome as the journal has it."""
+    """Return the journal's entry of an outcome."""
     return {"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)}
 
 
 def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
-    """Return the outcomes in the journal of a folder; FileError for the first that something else has changed."""
+    """Return the outcomes in the journal of a folder; FileError for the first entry that was changed."""
     entries = {}
-    for number, result in enumerate(journal.results if journal else (), 1):
+    for line, result in enumerate(journal.results if journal else (), 1):
         try:
             cell, outcome = read_cell(result.get("cell"), rows), read_outcome(result.get("outcome"))
             entries[cell, Integer(0).check("repeat", result.get("repeat"))] = outcome
         except ParameterError as error:  # an experiment has some hundred
             advice = "delete its line, or use another folder, or force=True"
-            raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
+            raise FileError(f"{folder / JOURNAL}: result {line}: {error}; {advice}") from None
     return entries
 
 
@@ -299,13 +302,13 @@ def results_of(entries: Entries) -> Results:
 
 
 def read_cell(content: object, rows: int) -> Cell:
-    """Return the cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
+    """Return the cell in a file, of a plan with this number of rows; a ParameterError if it is not in the plan."""
     sorts = {"row": Integer(0, rows - 1), "size": Integer(0), "pace": Choice(PACES)}
     return Cell(**_checked("cell", content, sorts))
 
 
 def read_outcome(content: object) -> Outcome:
-    """Return the outcome that a file has; a ParameterError if a value is no number."""
+    """Return the outcome in a file; a ParameterError if a value is not a number."""
     return Outcome(**_checked("outcome", content, _OUTCOME, _OPTIONAL))
 
 
@@ -317,9 +320,10 @@ def _checked(
         raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
     with inside(where):
         refuse_unknown("key", content, sorts)
-        given = ((name, sort, content.get(name)) for name, sort in sorts.items())
+        values = ((name, sort, content.get(name)) for name, sort in sorts.items())
         return {
-            name: None if value is None and name in optional else sort.check(name, value) for name, sort, value in given
+            name: None if value is None and name in optional else sort.check(name, value)
+            for name, sort, value in values
         }
 
 
@@ -336,7 +340,7 @@ def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> 
 
 
 def track_names(plan: ExperimentPlan, trials: Collection[tuple[Cell, int]] | None = None) -> Iterator[str]:
-    """Yield the name of every file that the tracks of these trials have, by default of all of a plan."""
+    """Yield the names of all files with tracks of these trials, by default of all trials of a plan."""
     for cell, repeat in plan.order() if trials is None else trials:
         name = f"tracks/row{cell.row + 1}-{cell.size}-{cell.pace}"
         yield f"{name}-{repeat}.csv"

@@ -1,8 +1,8 @@
-"""A trial: a world with robots that drive randomly, what it costs the simulator, and what the robots did meanwhile.
+"""A trial: a world with randomly driving robots, its cost to the simulator, and figures of the robots' drives.
 
-The cost of a map is only comparable if robots do about the same: stuck ones cost less. So how far they drove, how long
-they were stuck and what they have covered of the map is measured with it. At the pace `beside` the world and an empty
-one are simulated in turns of a second, in two servers, so that other load on the machine affects both alike.
+Costs of maps are only comparable if robots do about the same: stuck ones cost less. So how far they drove, how long
+they were stuck and how much of the map they covered is measured too. At the pace `beside` the world and an empty one
+are simulated in turns of a second, in two servers, so that other load on the machine affects both alike.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from rsegen.simulators.server import attempted
 SEEN_EVERY = 1.0
 """Simulated seconds between two rows of a trajectory above which it does not show whether a robot was stuck.
 
-MuJoCo simulates two seconds between two looks at full speed, in which a robot turns a circle and is where it was.
+MuJoCo simulates two seconds between two looks at full speed, in which a robot can drive a full circle.
 """
 
 
 def driving_figures(
     tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
 ) -> dict[str, float | None]:
-    """Return the figures of an outcome that are of robots with these trajectories on a field, None: an empty world."""
+    """Return the figures of robots in an outcome, from their trajectories; field: None for an empty world."""
     seen = [run for run in runs if run.name in tracks]
     if not seen:
         return {}
     driven = [(tracks[run.name], run.robot) for run in seen]
     courses = [replace(Course.over(field), starts_on_it=_starts_on(field, run)) if field else PLANE for run in seen]
-    asked = [
+    drives = [
         (track, robot.driving_speed, robot.size, course) for (track, robot), course in zip(driven, courses, strict=True)
     ]
-    every = [drive_metrics(*one) for one in asked]
-    # What no robot can do, as to fly, ends the part in which blocks count as covered; the rest is of the whole drive.
-    parts = [possible_part(*one)[0] for one in asked]
+    every = [drive_metrics(*drive) for drive in drives]
+    # Blocks count as covered only up to a row that no robot can have, as if it flew; metrics end there by themselves.
+    parts = [possible_part(*drive)[0] for drive in drives]
     shares = (
         [covered_share(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
     )
@@ -68,7 +68,7 @@ def _starts_on(field: StepField, run: RobotRun) -> bool:
 
 
 def _stuck_share(tracks: Sequence[Trajectory], every: Sequence[DriveMetrics]) -> float | None:
-    """Return the share of the time that robots were stuck, 0..1; None if it was seldom looked whether they were."""
+    """Return the share of the time that robots were stuck, 0..1; None if rows are too far apart to show it."""
     gaps = np.concatenate([np.diff(track.rows[:, 0]) for track in tracks])
     if len(gaps) and np.median(gaps) > SEEN_EVERY:
         return None
@@ -78,9 +78,9 @@ def _stuck_share(tracks: Sequence[Trajectory], every: Sequence[DriveMetrics]) ->
 def covered_share(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     """Return the share of a field's cells over which some part of a robot's footprint has been, 0..1.
 
-    The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
-    row of its trajectory.
+    The footprint is the rectangle of its length and width, at every row of its trajectory.
     """
+    # As a grid of points, half a block apart or less, turned and moved to each row: (rows, points).
     apart = field.block_width / 2  # so that no cell between is missed
     axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
     along, across = (offsets.ravel() for offsets in np.meshgrid(*axes))
@@ -100,36 +100,38 @@ def covered_share(track: Trajectory, robot: DrivableRobot, field: StepField) -> 
 
 
 TURN = 1.0
-"""Seconds that one of two worlds is simulated before it is the other's turn: shorter than other load comes and goes."""
+"""Seconds that each of two worlds is simulated at a time: shorter than other load comes and goes."""
 
 
 STARVED = 0.5
-"""Processors below which a server at full speed, which uses one or more, was starved by other programs: the robots
-have then moved for less than half of the seconds that they had."""
+"""Processors below which a server at full speed, which would use one or more, was starved by other programs: the robots
+have then moved for less than half of the time."""
 
 BEHIND = 0.9
 """Real-time factor of a trial in real time below which a server would use more CPU time, if it had it.
 
-One that keeps up has 0.97 or more in every second; one that does not, on a free machine, uses a whole processor.
+A server that keeps up has 0.97 or more in every second; one that does not uses a whole processor on a free machine.
 """
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """The measured cost of a trial, and what the robots did meanwhile.
+    """The measured cost of a trial, and figures of its robots, None if not measured.
 
     load: seconds until the world was loaded; memory: MB at the end; speed: simulated seconds per second of CPU
-    cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1;
-    starved: whether other programs left the server too little of them (STARVED); attempts: servers that it took, as
-    those before the last one failed
-    gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; these in real time,
-    else None
-    fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
-    share: speed divided by that of the empty world at the pace `beside`, else None
-    simulated: seconds; all others are means over the robots, None if nothing of them is known. driven: metres; stuck:
-    share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of the map over which some
-    part of a robot has been, 0..1, None in an empty world; off: share of the robots that left the map, and drove on;
-    impossible: share that did what no robot can, with which their other figures end
+    cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1
+    starved: whether other programs left the server too little of them (STARVED)
+    attempts: number of servers that were started; all before the last one failed
+    gpu: load of the GPU, 0..1; rtf_min, rtf, rtf_max: real-time factors; these at paces in real time
+    fps: frames per second of the camera or the window, at the paces `camera` and `window`
+    share: speed divided by the empty world's, at the pace `beside`
+    simulated: seconds of simulation
+
+    Means over the robots:
+    driven: metres; stuck: share of the time, 0..1; tipped: how often a robot tipped over
+    covered: share of the cells of the map over which some part of a robot has been, 0..1, not in an empty world
+    off: share of the robots that left the map, and drove on
+    impossible: share whose figures end at a row that no robot can have
     """
 
     load: float
@@ -172,7 +174,7 @@ def run_trial(
 ) -> Trial:
     """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
 
-    `watch` is called several times per second; what it raises ends the trial and its servers.
+    `watch` is called several times per second; an exception in it ends the trial and its servers.
     """
     trial, attempts = attempted(lambda: _trial(plan, cell, plan.seed + repeat, here, watch))
     return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
@@ -219,6 +221,6 @@ def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: TrialSimulator, wa
 
 
 def is_starved(span: Measurement, *, real: bool) -> bool:
-    """Return whether a server had too little of the processors; in real time it wants more only if it is behind."""
+    """Return whether a server had too little CPU time; in real time it needs more only if it is behind."""
     wants_more = not real or span.simulated < BEHIND * span.real
     return wants_more and span.cores < STARVED

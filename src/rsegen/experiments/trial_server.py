@@ -1,8 +1,8 @@
-"""A server of a trial: it loads a world, lets robots drive randomly in it, and measures what that costs.
+"""A server of a trial: it loads a world, lets robots drive randomly in it, and measures the cost.
 
 All clocks are read while the world is paused, before and after a span, so they belong to the same moment. CPU time is
-that of the server's process; the machine's own load is measured too, as it tells how far a real-time factor is the
-map's. Frames are drawn by a camera in the server, or by the simulator's own window, and counted by their messages.
+measured of the server's process, and also the load of the whole machine, which shows how far a real-time factor is due
+to the map. Frames are drawn by a camera in the server, or by the simulator's own window, and counted by their messages.
 What breaks it: a machine so busy that a span takes twenty times as long, which ends the trial.
 """
 
@@ -40,11 +40,11 @@ from rsegen.simulators.server import running_server
 from rsegen.writing.programs import has_screen, running
 from rsegen.writing.target_worlds import write_world
 
-# The load of the machine: what else was going on while a server had its own figures.
+# The load of the machine, by the server and by all other programs.
 
 
 def busy() -> float:
-    """Seconds so far in which the machine's processors worked, by the number of them."""
+    """Return the seconds that the machine's processors have worked so far, divided by their number."""
     import psutil
 
     times = psutil.cpu_times()
@@ -54,7 +54,7 @@ def busy() -> float:
 
 
 def gpu_load() -> float | None:
-    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
+    """Return the load of the busiest GPU just now, 0..1; None if no GPU reports it (NVIDIA's do, AMD's on Linux)."""
     percents = ""  # a line each
     if command := shutil.which("nvidia-smi"):
         query = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
@@ -76,7 +76,7 @@ SOURCES = ("camera", "window")
 """The paces in which frames are drawn."""
 
 CAMERA_PIXELS = (640, 480)
-"""Width and height of the camera's pictures: those of a usual robot's camera; frames per second fall with the area."""
+"""Width and height of the camera's pictures, as of a usual robot's camera; frames per second fall with the area."""
 
 _FIRST_FRAME = 120.0
 """Seconds within which the first frame must be drawn: a renderer without a GPU is slow to begin.
@@ -91,16 +91,16 @@ _FRAME_LOOK = 1.0
 """Seconds between two looks for the first frame."""
 
 LOOKS = 0.05
-"""Seconds between two looks at the poses of robots: two per row of a trajectory, as poses come when they like."""
+"""Seconds between two looks at the poses of robots: two per row of a trajectory, as poses come at no fixed times."""
 
 PERIOD = 0.1
-"""Simulated seconds between two rows of a trajectory, or more if the world is simulated faster than is looked."""
+"""Simulated seconds between two rows of a trajectory; more if more of them pass between two looks."""
 
 REST, REST_AT_FULL_SPEED = 1.0, 0.2
-"""Seconds between commands to robots: about a simulated second, as small worlds run five times as fast as real time."""
+"""Wall seconds between commands: about a simulated second, as small worlds run five times as fast as real time."""
 
 _SLOWEST = 20
-"""Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
+"""Times of its length within which a span must end: a slower world is stuck, or the machine is busy."""
 
 
 TrialSimulator: TypeAlias = Installation | EmbeddedSimulator
@@ -108,19 +108,19 @@ TrialSimulator: TypeAlias = Installation | EmbeddedSimulator
 
 
 def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, TrialSimulator]) -> None:
-    """Raise a UserError, before any trial, if a pace of the plan needs a screen or a window that there is not."""
+    """Raise a UserError, before any trial, if a pace of the plan needs a missing screen, window or frame counter."""
     for source in (pace for pace in plan.paces if pace in SOURCES):
-        for here in installed.values():
-            if isinstance(here, EmbeddedSimulator) or source not in here.simulator.frames:
-                raise ParameterError("paces", f"frames of {here} cannot be counted; leave {source} out, or use classic")
-            if source == "window" and "gzclient" not in here.commands:
-                raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
+        for used in installed.values():
+            if isinstance(used, EmbeddedSimulator) or source not in used.simulator.frames:
+                raise ParameterError("paces", f"frames of {used} cannot be counted; leave {source} out, or use classic")
+            if source == "window" and "gzclient" not in used.commands:
+                raise ParameterError("paces", f"the window of {used} is not installed; leave window out")
         if not has_screen():
             raise ParameterError("paces", f"{source} needs a screen, and there is none; run under xvfb-run -a")
 
 
 def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[float], object]) -> None:
-    """Wait until a frame has been drawn; `wait` waits for some seconds. NoSimulator if none is."""
+    """Wait until a frame has been drawn; NoSimulator if that takes too long; wait: waits for some seconds."""
     for _ in range(ceil(_FIRST_FRAME / _FRAME_LOOK)):
         if frames():
             return
@@ -131,7 +131,7 @@ def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[floa
 class Measurement(NamedTuple):
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
-    busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
+    busy: seconds of CPU time of the whole machine, divided by its number of processors; frames: number of drawn ones
     """
 
     simulated: float
@@ -154,7 +154,7 @@ class Measurement(NamedTuple):
 
 
 def total(spans: Sequence[Measurement]) -> Measurement:
-    """Return the sum of spans; of their lists all that is in them."""
+    """Return the sum of spans, with their lists joined: `+` does both."""
     return Measurement(*(sum(parts, start=type(parts[0])()) for parts in zip(*spans, strict=True)))
 
 
@@ -162,8 +162,8 @@ def total(spans: Sequence[Measurement]) -> Measurement:
 class TrialServer:
     """A running server that took `load` seconds to load its world, the robots on a map in it, and their record.
 
-    pace: of the trial; frames: counts those that were drawn; watch: called several times per second while robots drive;
-    may raise
+    pace: of the trial; frames: returns the number of frames drawn so far
+    watch: called several times per second while robots drive; may raise
     """
 
     live: RunningWorld
@@ -200,9 +200,9 @@ class TrialServer:
     def run_robots(
         self, clock: Literal["simulated", "real"], seconds: float, record: Record | None = None
     ) -> list[tuple[float, float | None]]:
-        """Let robots drive for this many simulated or real seconds.
+        """Let robots drive for this many simulated or real seconds; add their poses to `record`.
 
-        Gives the real-time factor and the load of the GPU between commands; poses are added to `record`.
+        Returns the real-time factor and the load of the GPU between each two commands.
         """
         # Between two commands the world runs freely; each interval gives a real-time factor.
         start = last = self.live.clock()
@@ -229,9 +229,9 @@ class TrialServer:
             if record is None:
                 continue
             second, poses = self.live.last_poses()
-            here = {run.name: list(astuple(poses[run.name])) for run in self.runs if run.name in poses}
-            if here and (not record or second >= record[-1][0] + PERIOD):
-                record.append((second, here))
+            known = {run.name: list(astuple(poses[run.name])) for run in self.runs if run.name in poses}
+            if known and (not record or second >= record[-1][0] + PERIOD):
+                record.append((second, known))
 
 
 def runs_of_row(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
@@ -240,12 +240,12 @@ def runs_of_row(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
 
 
 ROOMS = (1, 2, 4, 8, 16)
-"""Chunks along each side of the ground of an empty world on which robots start, of which the first that holds all is
-taken. Like a map it has robots at places of it, so that both differ by the map alone."""
+"""Chunks along each side of the ground of an empty world on which robots start; the first with room for all is taken.
+Robots start at spots as on a map, so that both worlds differ by the map alone."""
 
 
 def placed(row: TableRow, size: int, seed: int) -> tuple[Scene, Sequence[RobotRun]]:
-    """Return a map of a row, of 0 blocks the ground of an empty world, and the runs of the robots on it."""
+    """Return a map of a row, or for 0 blocks the ground of an empty world, and the runs of the robots on it."""
     for room in () if size else ROOMS[:-1]:
         with suppress(NoSpot):
             return _placed(row, size, seed, room)
@@ -281,9 +281,9 @@ def trial_server(
 def _process(
     cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: EmbeddedSimulator, made: Callable[..., TrialServer]
 ) -> Iterator[TrialServer]:
-    """Start the process of a trial in an embedded simulator; loading is all that it does before it can simulate.
+    """Start the process of a trial in an embedded simulator; its whole start counts as loading.
 
-    made: makes the trial's server, of what is known of it only once it runs
+    made: makes the trial's server from the parts that are known once it runs
     """
     placed = [PlacedRobot(name=run.name, robot=run.robot, start=run.start) for run in runs]
     is_real, began = cell.pace in IN_REAL_TIME, time.monotonic()
@@ -302,12 +302,12 @@ def _server(
     made: Callable[..., TrialServer],
     watch: Callable[[], None],
 ) -> Iterator[TrialServer]:
-    """Start the server of a trial in a Gazebo; made: as for a process."""
+    """Start the server of a trial in a Gazebo; made: as in `_process`."""
     source = cell.pace if cell.pace in SOURCES else None
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
         file = _write_trial(cell, scene, runs, here, folder)
-        # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
+        # Loading ends with the connection: window, first frame and settling come later, and do not count.
         began = time.monotonic()
         server = stack.enter_context(running_server(here, file, screen=source == "camera", watch=watch))
         live = stack.enter_context(server.connect())
@@ -330,7 +330,7 @@ def _server(
 
 
 def _write_trial(cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, folder: Path) -> Path:
-    """Write the world file of a trial, with robots and perhaps a camera on a map, or on none if the cell is empty."""
+    """Write the world file of a trial: robots, perhaps a camera, and a map unless the cell is empty."""
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
     models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if cell.pace == "camera" else []
     if cell.size:

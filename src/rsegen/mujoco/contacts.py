@@ -1,9 +1,9 @@
-"""Contacts that hold: friction along and across, belts that run, sliding, and what Gazebo Classic does otherwise.
+"""Contacts that hold: friction along and across, belts that run, sliding, and the differences of Gazebo Classic.
 
     contacts found -> Shapes.turn: directions, coefficients, speeds of belts -> constraints -> slide -> solution
 
-Of a belt, or of a wheel with two coefficients, MuJoCo's contacts know nothing: they have a normal n and one friction in
-all directions. So between finding contacts and solving for forces each is turned about its normal, until one direction
+MuJoCo's contacts know neither belts nor wheels with two coefficients: they have a normal n and one friction in all
+directions. So between finding contacts and solving for forces each is turned about its normal, until one direction
 is n x a, along which the shape runs, with a as its axis, such as an axle; the other is along the axis.
 
             a, into the page          A belt has no inertia: its surface moves at its speed along n x a although its
@@ -12,7 +12,7 @@ is n x a, along which the shape runs, with a as its axis, such as an axle; the o
              '---------------'        With motors as Gazebo Classic's, a belt turns as its plug-in has it (`BeltTurn`),
                  n ^   --> n x a      and friction is a box, for which an ellipse stands (rsegen.mujoco.friction).
 
-A contact that slides presses as one that does not, by Coulomb's friction in place of MuJoCo's convex one (`slide`).
+A sliding contact presses as hard as one at rest, by Coulomb's friction in place of MuJoCo's convex one (`slide`).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from rsegen.robots.links import Vector
 
 SIDE = 0.3
 """Sine of the angle between a contact's normal and an axis from which on the contact is turned: on the side of a belt
-there is no along."""
+the normal is along the axis, and n x a has no direction."""
 
 LEAST_LEFT = 0.01
 """The share of its friction that a belt of Gazebo Classic keeps at least: MuJoCo takes none of 0."""
@@ -46,7 +46,7 @@ def _cross(a: Vector, b: Vector) -> Vector:
 
 @dataclass(slots=True)
 class BeltTurn:
-    """The turn of a robot on belts as Gazebo Classic's SimpleTrackedVehicle has it, which is not that of a real robot.
+    """The turn of a robot on belts by Gazebo Classic's SimpleTrackedVehicle, unlike the turn of a real robot.
 
     The plug-in has each contact pull along the circle about the centre of the turn, at right angles to its arm c:
 
@@ -76,7 +76,7 @@ class BeltTurn:
 
 
 def belt_direction(normal: Vector, along: Vector, arm: Vector, speed: float) -> tuple[Vector, float, float]:
-    """Return along what a belt of Gazebo Classic pulls, the share of its friction that it has there, and its speed.
+    """Return the direction in which a belt of Gazebo Classic pulls, the share of its friction there, and its speed.
 
     along: n x a, in which it runs
     """
@@ -99,8 +99,8 @@ class Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION, from 1 on; names: of shapes by their number in MuJoCo
-    turned: whether the friction of any shape has a direction; are_boxes: whether it is a box, that
-    of all shapes of a world or of none; speed: of the surface of each shape, m/s, 0 but for belts
+    turned: whether any shape has a direction of friction; are_boxes: whether friction is a box, as with classic motors
+    speed: of the surface of each shape, m/s, 0 but for belts
 
     A robot has some ten contacts, for which Python's numbers take a quarter of the time of numpy's arrays.
     """
@@ -158,70 +158,72 @@ class Shapes:
         return dict(sorted(shares.items(), key=lambda share: -share[1]))
 
     def forget(self) -> None:
-        """Count anew, as if nothing had touched before."""
+        """Forget all counted contacts and spent friction."""
         self._touched.clear()
         self._spent = {}
 
     def turn(self, data: Any) -> None:
-        """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
+        """Turn the planes of contacts: the first direction along the axis of the shape, with its own coefficients.
 
-        Across the axis, as long as n x a, a belt's surface moves at its speed, whichever of both shapes it is. Shapes
-        of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape whose
-        friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
-        with one friction, and without motion. A box of friction is the ellipse that stands for it at the slip now.
+        In the second direction, n x a, a belt's surface moves at its speed, whichever of the two shapes it is. All
+        contacts are turned, which changes nothing for a shape whose friction has no direction. Contacts on the side of
+        a belt, whose normal is along its axis, stay as they are, with one friction and without motion. A box of
+        friction is replaced by its ellipse for the slip now.
         """
         contact, known, speed, xmat = data.contact, self._frictions, self.speed, data.xmat
         frames, friction, pairs = contact.frame, contact.friction, contact.geom.tolist()
         axes: dict[int, Vector] = {}  # of bodies, in the frame of the world
-        found: list[float] = []  # of each contact: two directions, two coefficients, a speed
-        owners, mus = map(max, pairs), friction[:, 0].tolist()
+        turned: list[float] = []  # of each contact: two directions, two coefficients, a speed
+        owners, mus = map(max, pairs), friction[:, 0].tolist()  # a robot's shape has a larger number than the map's
         points = contact.pos.tolist() if self.are_boxes else []
         boxed = self._boxed(data, pairs, points) if self.are_boxes else None
         for at, (own, frame, mu) in enumerate(zip(owners, frames.tolist(), mus, strict=True)):
-            number, mu_axis, mu_other = known[own]
-            if number not in axes:
-                body, (p, q, r) = self._axes[number]
+            line, mu_axis, mu_other = known[own]
+            if line not in axes:
+                body, (p, q, r) = self._axes[line]
                 a, b, c, d, e, f, g, h, i = xmat[body].tolist()
-                axes[number] = a * p + b * q + c * r, d * p + e * q + f * r, g * p + h * q + i * r
-            nx, ny, nz, _, _, _, *other = frame
-            x, y, z = axes[number]
-            # n x a is in the plane, at right angles to what of a is in it, and as long.
+                axes[line] = a * p + b * q + c * r, d * p + e * q + f * r, g * p + h * q + i * r
+            nx, ny, nz, _, _, _, *second = frame
+            x, y, z = axes[line]
+            # n x a is in the plane, at right angles to the projection of a on it, and as long as that.
             x, y, z = ny * z - nz * y, nz * x - nx * z, nx * y - ny * x
             length = sqrt(x * x + y * y + z * z)
+            # MuJoCo's mu is already the smaller one of both shapes (friction.py), and bounds the robot's own two.
             mu_axis, mu_other = mu if mu < mu_axis else mu_axis, mu if mu < mu_other else mu_other
             surface = speed[own]
             if own in self._turns:
-                arm = self._turns[own].arm(points[at], data.xpos, axes[number])
+                arm = self._turns[own].arm(points[at], data.xpos, axes[line])
                 (x, y, z), length, surface = belt_direction((nx, ny, nz), (x, y, z), arm, surface)
                 mu_axis, mu_other, length = mu_axis * length, mu_other * length, 1.0
             elif length <= SIDE:
-                (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0
+                (x, y, z), length, mu_axis, mu_other, surface = second, 1.0, mu, mu, 0.0
             x, y, z = x / length, y / length, z / length
             along = nz * y - ny * z, nx * z - nz * x, ny * x - nx * y
             if boxed:
                 mu_axis, mu_other = boxed(at, own, along, (x, y, z), (mu_axis, mu_other), surface)
-            found += (*along, x, y, z, mu_axis, mu_other, surface)
-        rows = np.array(found).reshape(-1, 9)
+            turned += (*along, x, y, z, mu_axis, mu_other, surface)
+        rows = np.array(turned).reshape(-1, 9)
         frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = rows[:, :6], rows[:, 6:8], rows[:, 8]
 
     def _boxed(
         self, data: Any, pairs: Sequence[Sequence[int]], points: Sequence[Sequence[float]]
     ) -> Callable[..., tuple[float, float]]:
-        """Return a function for the ellipse of a contact.
+        """Return a function for the ellipse of a contact, and begin the list of boxes anew.
 
-        It takes its number and its shape, its two directions, the halves of its box, and the speed of the surface along
-        the second direction.
+        It takes the number of the contact and its shape, its two directions, the halves of its box, and the speed of
+        the surface along the second direction.
         """
         twists, centres = data.cvel.tolist(), data.subtree_com.tolist()
         roots, known, spent = self._roots, self.directions, self._spent
-        kept = self._boxes = []
+        boxes = self._boxes = []
 
         def ellipse(
             at: int, own: int, along: Vector, across: Vector, halves: tuple[float, float], surface: float
         ) -> tuple[float, float]:
-            kept.append((own, *halves))
+            boxes.append((own, *halves))
             body = known[own].body
-            p, q, r, u, v, w = twists[body]  # a step before, about the centre of mass of the whole robot
+            # The velocity at the contact: a twist (turn rate, velocity) is about the centre of mass of the whole robot.
+            p, q, r, u, v, w = twists[body]  # a step before
             (x, y, z), (a, b, c) = points[at], centres[roots[body]]
             x, y, z = x - a, y - b, z - c
             u, v, w = u + q * z - r * y, v + r * x - p * z, w + p * y - q * x
@@ -234,7 +236,7 @@ class Shapes:
         return ellipse
 
     def keep_spent(self, data: Any, contact: Any) -> None:
-        """Keep, after a step, how much of its box each shape has spent, along and across: the most of its contacts."""
+        """Keep, after a step, the shares of its box that each shape has spent, the most of its contacts."""
         spent: dict[int, tuple[float, float]] = {}
         if data.ncon:
             forces = data.efc_force.tolist()
@@ -257,27 +259,28 @@ stalls long before. A robot that falls from its own height has such a force for 
 
 
 class Belts:
-    """The belts of all robots, which stall where they are wedged.
+    """The belts of all robots, which stall while they are wedged.
 
-    turns: of robots as Gazebo Classic's plug-in has them, by the shapes of their belts
+    belts: robot, side (0 left, 1 right) and shape of each, as numbers; limits: force at which a robot is wedged, N
+    turns: of robots as in Gazebo Classic's plug-in, by the shapes of their belts
     """
 
     def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
         self.belts = [
-            (number, shape.belt, int(model.geom(shape.name).id))
-            for number, robot in enumerate(robots)
+            (index, shape.belt, int(model.geom(shape.name).id))
+            for index, robot in enumerate(robots)
             for shape in robot.shapes
             if shape.belt >= 0
         ]
-        self._robot = {geom: number for number, _, geom in self.belts}
+        self._robot = {geom: index for index, _, geom in self.belts}
         self._turns = {
-            number: BeltTurn(int(model.body(f"{robot.name}/{robot.drive.body}").id))
-            for number, robot in enumerate(robots)
+            index: BeltTurn(int(model.body(f"{robot.name}/{robot.drive.body}").id))
+            for index, robot in enumerate(robots)
             if isinstance(robot.drive, Tracks)
         }
-        self.turns = {geom: self._turns[number] for geom, number in self._robot.items()}
+        self.turns = {geom: self._turns[index] for geom, index in self._robot.items()}
         self.limits = [_WEDGED * weight for weight in weights(model, robots)]
-        self._least = min((self.limits[number] for number in self._robot.values()), default=inf)
+        self._least = min((self.limits[index] for index in self._robot.values()), default=inf)
         self._speeds, self._wedged = [(0.0, 0.0)] * len(robots), set[int]()
 
     def command(self, shapes: Shapes, robot: int, left: float, right: float, centre: float = inf) -> None:
@@ -288,19 +291,20 @@ class Belts:
         self._run(shapes, robot)
 
     def stop(self, shapes: Shapes) -> None:
-        """Let all belts stand, none of which is wedged."""
+        """Stop all belts, and take none as wedged."""
         self._wedged = set()
         for robot in range(len(self._speeds)):
             self.command(shapes, robot, 0.0, 0.0)
 
     def after_step(self, data: Any, shapes: Shapes) -> None:
-        """Let the belts of robots stall, in the next step, that are wedged in this one."""
+        """Stall the belts in the next step of robots that were wedged in this one, and run the others again."""
         wedged: set[int] = set()
+        # One look at the largest force decides nearly all steps.
         if self.belts and data.nefc and np.maximum.reduce(data.efc_force) > self._least:
             forces = data.efc_force.tolist()
             for at, pair in zip(data.contact.efc_address.tolist(), data.contact.geom.tolist(), strict=True):
                 owners = {self._robot[geom] for geom in pair if geom in self._robot}
-                wedged |= {number for number in owners if at >= 0 and forces[at] > self.limits[number]}
+                wedged |= {owner for owner in owners if at >= 0 and forces[at] > self.limits[owner]}
         if wedged != self._wedged:
             changed, self._wedged = wedged ^ self._wedged, wedged
             for robot in changed:
@@ -317,11 +321,10 @@ class Belts:
 def slide(model: Any, data: Any, contact: Any) -> None:
     """Correct the references of contacts, `data.contact`, between the making of constraints and their solution.
 
-    MuJoCo's contacts are the solution of a convex problem. In it what friction does not stop of a slip adds mu times
-    itself to the direction of the normal, and what slides is thrown up: a box of coefficient 1 hops by 3 mm at 1 m/s,
-    and a robot that skids rocks from side to side and hardly turns. That share is taken off again before contacts are
-    solved, as it was in the step before; while a contact slides steadily its normal force comes within a factor
-    mu^2 / (1 + mu^2) a step.
+    MuJoCo's contacts are the solution of a convex problem. In it mu times the remaining slip is added along the normal,
+    and a sliding body is thrown up: a box of coefficient 1 hops by 3 mm at 1 m/s, and a robot that skids rocks from
+    side to side and hardly turns. That part is taken off again before contacts are solved, as large as in the step
+    before; while a contact slides steadily, each step leaves mu^2 / (1 + mu^2) of the error of its normal force.
 
     Source: De Saxce and Feng, The bipotential method, 1998; Acary and others, A formulation of the linear discrete
     Coulomb friction problem via convex optimization, 2011. Cost: a product with the Jacobian a step. What breaks it: a
@@ -329,7 +332,7 @@ def slide(model: Any, data: Any, contact: Any) -> None:
     """
     if not data.ncon:
         return
-    # A robot has some ten contacts, for which Python's numbers take a quarter of the time of numpy's arrays.
+    # `left`: by what the acceleration of the step before misses the reference, in each direction of a contact.
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref

@@ -4,7 +4,7 @@ It takes the coefficient of the shape with the higher priority, or else the larg
 map is a bit in the masks by which MuJoCo decides what may touch what, and each shape of a robot exists at most twice:
 
     rough    priority 1, with its own coefficient, touches the parts of the map that are no smoother than itself
-    smooth   priority 0, without friction, touches the others, of which the coefficient then is the larger one
+    smooth   priority 0, without friction, touches the other parts, whose coefficient is then the larger one
 
 Cost: none on a map of one coefficient, where one shape is enough. What breaks it: a map with more than 28 coefficients,
 which is refused.
@@ -31,17 +31,17 @@ LEAST = 1e-5
 
 
 MOST_RATIO = 24.0
-"""Ratio of mu slip across and along from which on there is no slip along: an ellipse of friction is at most
-sqrt(1 + 24) = 5 times as long as its box, as MuJoCo solves contacts with the square of that."""
+"""Ratio of mu times slip across and along from which on the smaller slip counts as none: an ellipse of friction is at
+most sqrt(1 + 24) = 5 times as long as its box, as MuJoCo solves contacts with the square of that."""
 
 STUCK = 1e-3
-"""Slip, m/s, as which a friction counts that is spent in full: MuJoCo's contacts creep by less where they hold."""
+"""Slip, m/s, that a friction spent in full counts as: MuJoCo's contacts creep by less where they hold."""
 
 SHARPNESS = 8
-"""Power of the share of a friction that is spent: 0.8 of it counts as a sixth of a friction that is spent in full."""
+"""Power of the spent share of a friction: 0.8 of it counts as a sixth of a friction spent in full."""
 
 STILL = 1e-6
-"""Slip, m/s, times its coefficient, of what neither slips nor is held."""
+"""Slip, m/s, times its coefficient, of a contact that neither slips nor is held, so that the ratio has a value."""
 
 
 def corner_ellipse(
@@ -87,7 +87,7 @@ class MapFriction:
             problem = f"{len(coefficients)} different coefficients; MuJoCo can drive on a map with up to {_MOST}"
             raise ParameterError("level_friction", problem)
         self.largest = max(coefficients)
-        self._bits = {mu: 1 << number for number, mu in enumerate(coefficients)}
+        self._bits = {mu: 1 << index for index, mu in enumerate(coefficients)}
 
     def bit(self, mu: float) -> int:
         """Return the bit of a coefficient of the map."""
@@ -95,7 +95,7 @@ class MapFriction:
 
     def layers(self, mu: float) -> Iterator[Layer]:
         """Yield the layers of a shape of a robot with its own coefficient; the first touches other robots too."""
-        own = min(mu, self.largest)  # what is rougher than all of the map is as rough as its roughest part
-        yield Layer(1, max(own, LEAST), sum(bit for other, bit in self._bits.items() if other >= own))
-        if smoother := sum(bit for other, bit in self._bits.items() if other < own):
+        own = min(mu, self.largest)  # a shape rougher than all of the map is as rough as its roughest part
+        yield Layer(1, max(own, LEAST), sum(bit for of_map, bit in self._bits.items() if of_map >= own))
+        if smoother := sum(bit for of_map, bit in self._bits.items() if of_map < own):
             yield Layer(0, LEAST, smoother)

@@ -1,6 +1,6 @@
 """Kernels of Warp for a step of `ManyWorlds`, in addition to mujoco_warp's: for wheels, or for contacts of all worlds.
 
-Arrays of contacts are of all worlds together, in any order, with as many of them as `count` says.
+Arrays of contacts hold all worlds together, in any order; the first `count[0]` are in use.
 """
 
 import mujoco
@@ -27,10 +27,10 @@ def ramp(
     now: wp.array2d[wp.float32],
     qvel: wp.array2d[wp.float32],
 ) -> None:
-    """Bring the speeds of wheels nearer to those that are wanted; without a reaction, write them."""
+    """Bring the speeds of wheels nearer to the commanded ones; without a reaction, write them."""
     world, wheel = wp.tid()
-    wanted = speeds[world, side[wheel]] * per_speed[wheel]
-    speed = now[world, wheel] + wp.clamp(wanted - now[world, wheel], -most[wheel], most[wheel])
+    commanded = speeds[world, side[wheel]] * per_speed[wheel]
+    speed = now[world, wheel] + wp.clamp(commanded - now[world, wheel], -most[wheel], most[wheel])
     now[world, wheel] = speed
     if is_written:
         qvel[world, dof[wheel]] = speed
@@ -38,7 +38,7 @@ def ramp(
 
 @wp.func
 def held(spent: wp.float32) -> wp.float32:
-    """Return the slip, m/s, as which a share of a friction counts that is spent."""
+    """Return the slip, m/s, that a spent share of a friction counts as."""
     return STUCK * wp.pow(wp.min(spent, 1.0), SHARPNESS)
 
 
@@ -63,7 +63,7 @@ def belt_arm(point: wp.vec3, place: wp.vec3, axis: wp.vec3, centre: wp.float32) 
 
 @wp.func
 def own_geom(pair: wp.vec2i, body: wp.array[wp.int32]) -> wp.int32:
-    """Return the shape of the robot in a contact, -1 if there is none."""
+    """Return the shape of the robot in a contact, -1 if neither shape is of a robot."""
     own = wp.max(pair[0], pair[1])
     if body[own] < 0:
         own = wp.min(pair[0], pair[1])
@@ -100,7 +100,7 @@ def turn_planes(
 ) -> None:
     """Turn the plane of a contact as `rsegen.mujoco.contacts.Shapes.turn` does: its second direction along n x a.
 
-    base: the body about which belts turn as in Gazebo Classic, -1 if they do not; boxes: halves of those of friction
+    base: the body about which belts turn as in Gazebo Classic, -1 if they do not; boxes: halves of boxes of friction
     """
     at = wp.tid()
     if at >= wp.min(count[0], geoms.shape[0]):
@@ -118,6 +118,7 @@ def turn_planes(
     speed = wp.float32(0.0)
     if belt[own] >= 0 and wedged[world] == 0:
         speed = speeds[world, belt[own]]
+    # A belt of Gazebo Classic pulls along n x arm; on the side of another shape n x a has no direction.
     if belt[own] >= 0 and base >= 0:
         along_belt = across
         across = wp.cross(normal, belt_arm(points[at], places[world, base], axle, centre[world]))
@@ -131,6 +132,7 @@ def turn_planes(
     along = wp.cross(across, normal)
     frames[at] = wp.matrix_from_rows(normal, along, across)
     boxes[at] = halves
+    # The ellipse for the slip of the shape against the other one, to which the speed of the surface is added.
     if are_boxes:
         twist, arm = twists[world, body[own]], points[at] - centres[world, roots[body[own]]]
         velocity = wp.spatial_bottom(twist) + wp.cross(wp.spatial_top(twist), arm)
@@ -245,12 +247,12 @@ def count_touches(
     end: int,
     touches: wp.array[wp.int32],
 ) -> None:
-    """Count the contacts with the geoms from the first one to the one before the end."""
+    """Count the contacts of each world with the geoms `first` to `end`, the last one left out."""
     at = wp.tid()
     if at >= wp.min(count[0], geoms.shape[0]):
         return
-    one, other = geoms[at][0], geoms[at][1]
-    if (one >= first and one < end) or (other >= first and other < end):
+    a, b = geoms[at][0], geoms[at][1]
+    if (a >= first and a < end) or (b >= first and b < end):
         wp.atomic_add(touches, worlds[at], 1)
 
 

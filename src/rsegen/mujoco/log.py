@@ -1,8 +1,8 @@
 """MuJoCo's log, switched off while rsegen simulates: a drive that fails says so itself, in one line.
 
 By default MuJoCo prints each warning, and appends it to MUJOCO_LOG.TXT in the current folder, which is the user's.
-Whether it does is a setting of the whole process, which a user's own worlds share; so it is as it was in between. With
-threads the first one that simulates switches the log off, and the last one that ends switches it on again.
+Whether it does is a setting of the whole process, which a user's own worlds share, so it is restored after each
+simulation. With threads the first one that simulates switches the log off, and the last one that ends restores it.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _LOG = _Log()
 
 @contextmanager
 def without_log() -> Iterator[None]:
-    """Have MuJoCo neither print nor write a log inside; what ends its work is raised as SimulatorFailed."""
+    """Keep MuJoCo from printing or writing a log inside, and raise its fatal errors as SimulatorFailed."""
     with _LOG.silent():
         try:
             yield

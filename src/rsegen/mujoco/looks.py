@@ -32,10 +32,11 @@ _GROUND = "0.7 0.7 0.7 1"
 
 
 def add_looks(root: Element, scene: Scene, placed: Sequence[PlacedRobot], robots: Sequence[RobotModel]) -> None:
-    """Add to a model what is seen of it; its ground is its first shape."""
+    """Add visual shapes, colours and light to a model; its ground is its first shape."""
     world, assets = (_part(root, name) for name in ("worldbody", "asset"))
-    for number, geom in enumerate(world.iter("geom")):
-        geom.set("rgba" if number == 0 else "group", _GROUND if number == 0 else _HIDDEN)
+    # A plane has no visual of its own, so the ground is coloured; all other collision shapes are hidden.
+    for index, geom in enumerate(world.iter("geom")):
+        geom.set("rgba" if index == 0 else "group", _GROUND if index == 0 else _HIDDEN)
     _add_view(root, world, scene)
     mesh = surface(scene.field)
     for material in np.unique(mesh.materials).tolist():
@@ -44,8 +45,8 @@ def add_looks(root: Element, scene: Scene, placed: Sequence[PlacedRobot], robots
     for robot, model in zip(placed, robots, strict=True):
         bodies = {body.get("name"): body for base in model.bodies for body in base.iter("body")}
         for link, shapes in visuals(robot.robot).items():
-            for number, shape in enumerate(shapes):
-                name = f"{model.name}/{link}/seen{number}"
+            for index, shape in enumerate(shapes):
+                name = f"{model.name}/{link}/seen{index}"
                 body = bodies[f"{model.name}/{link}"]
                 _add_mesh(assets, body, name, (shape.points, shape.corners), shape.colour)
 
@@ -70,13 +71,13 @@ def _add_view(root: Element, world: Element, scene: Scene) -> None:
 
 
 def _add_mesh(assets: Element, body: Element, name: str, triangles: tuple[Array, Ints], colour: Colour) -> None:
-    """Add triangles as a shape that is seen; none if they are none."""
+    """Add triangles as a visual shape, without those that have no area; no shape if none has."""
     points, corners = triangles
     a, b, c = (points[corners[:, corner]] for corner in range(3))
-    kept = corners[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0]
-    if not len(kept):
+    with_area = corners[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0]
+    if not len(with_area):
         return
-    vertices, faces = np.unique(points[kept].reshape(-1, 3), axis=0, return_inverse=True)
+    vertices, faces = np.unique(points[with_area].reshape(-1, 3), axis=0, return_inverse=True)
     face = " ".join(map(str, faces.ravel().tolist()))
     SubElement(assets, "mesh", name=name, inertia="shell", vertex=numbers(vertices.ravel()), face=face)
     SubElement(body, "geom", _SEEN, type="mesh", mesh=name, rgba=numbers((*colour, 1.0)))

@@ -1,7 +1,7 @@
-"""A map and a robot in each of many worlds of MuJoCo Warp, for drives side by side.
+"""Many worlds of MuJoCo Warp with a map and a robot in each, for drives side by side.
 
-The boxes of a map are those of `rsegen.mujoco.map_model`, so worlds are those of `MujocoWorld`. All worlds of a batch
-have as many: what a map has fewer than the others is deep below the ground, where no robot comes.
+A map has the same boxes as in `rsegen.mujoco.map_model`, so each world is the same as a `MujocoWorld`. All worlds of a
+batch need the same number of boxes: the ones that a map lacks are deep below the ground, where no robot comes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rsegen.simulators.batch import BatchWorlds
 from rsegen.simulators.embedded import PlacedRobot
 
 _UNUSED = (0.0, 0.0, -100.0), (0.01, 0.01, 0.01)
-"""Centre and half of the sides, metres, of a box that a map has not."""
+"""Centre and half of the sides, metres, of a box that a map lacks."""
 
 _NO_ROOM = int(mjw.OverflowType.ALL & ~mjw.OverflowType.EPA_HORIZON)
 
@@ -43,16 +43,17 @@ class ManyMaps(BatchWorlds):
         maps = [boxes(scene.field) for scene in scenes]
         most = max(1, *map(len, maps))
         centres, halves = (np.tile(part, (len(maps), most, 1)) for part in _UNUSED)
-        for number, found in enumerate(maps):
-            centres[number, : len(found)], halves[number, : len(found)] = found.centres, found.sizes / 2
+        for index, filled in enumerate(maps):
+            centres[index, : len(filled)], halves[index, : len(filled)] = filled.centres, filled.sizes / 2
+        # One world is compiled, flat and with as many boxes as the largest map; then each world gets its own boxes.
         unused = (np.tile(part, (most, 1)) for part in _UNUSED)
-        named = NamedBoxes("map", [f"block_{number}" for number in range(most)], *unused)
+        named = NamedBoxes("map", [f"block_{index}" for index in range(most)], *unused)
         flat = compose(Recipe(name="flat", boundary="none", friction=scenes[0].friction))
         gains = [turn_gain(placed[0].robot)]
-        one = MujocoWorld(flat, placed[:1], motors=motors, period=inf, gains=gains, boxes=named)
-        self.many = ManyWorlds(one, len(scenes))
+        compiled = MujocoWorld(flat, placed[:1], motors=motors, period=inf, gains=gains, boxes=named)
+        self.many = ManyWorlds(compiled, len(scenes))
         self.many.model.opt.warn_overflow = 0  # `problems` names them
-        first = one.model.geom(named.names[0]).id
+        first = compiled.model.geom(named.names[0]).id
         self.blocks = slice(first, first + most)
         self.many.put_boxes(self.blocks, centres, halves)
         self.many.place([robot.start for robot in placed])
@@ -73,7 +74,7 @@ class ManyMaps(BatchWorlds):
         self._sunk, self._deepest = "it sank in", SINKS
 
     def problems(self) -> Mapping[int, str]:
-        """Return why worlds have no result: as in one world, or more contacts than there is room for."""
+        """Return why worlds have no result: for the reasons of a single world, or too many contacts for the memory."""
         return dict(self._problems())
 
     def _problems(self) -> Iterator[tuple[int, str]]:

@@ -5,8 +5,8 @@
     many.step(1000)
     many.poses()
 
-All worlds begin as the given one. mujoco_warp steps them, and calls back at two places, where the drive of
-`rsegen.mujoco.contacts` does the same with one world:
+All worlds begin as the given one. mujoco_warp steps them, and calls back at two places, where kernels do what
+`rsegen.mujoco.contacts` does in one world:
 
     contacts --> planes of belts turned, surfaces moved --> constraints --> wheels' speeds, sliding --> solution
 
@@ -35,18 +35,18 @@ _CONTACTS, _ROWS = 96, 320
 """Contacts and constraints for which there is room in each world: a crawler on blocks has 40 contacts at most."""
 
 _PRECISION, _ITERATIONS = 1e-7, 50
-"""Tolerance of the search for contacts, and how far it goes, which is memory: 7 kB for each pair that is near. To the
-1e-10 of one world 32 bits do not reach: the search then goes astray, and a contact is missing in that step; with this
-one it seldom does, and is not worth a warning each time."""
+"""Tolerance of the search for contacts, and iterations at most, which take memory: 7 kB for each pair that is near. 32
+bits cannot reach the 1e-10 of a single world: the search would fail, and a contact would be missing in that step. With
+this tolerance it seldom fails, which is not worth a warning each time."""
 
 _DAMPING = 2 / (MOTOR_SOLIMP[1] * MOTOR_SOLREF[0])
 """Factor of a speed in the reference acceleration of a motor's constraint, as MuJoCo computes it."""
 
 
 class ManyWorlds:
-    """Worlds that begin as one of `MujocoWorld` does, which has a single robot; ParameterError if it has more.
+    """Worlds that begin as a given `MujocoWorld` with a single robot; ParameterError if it has more.
 
-    worlds: how many; device: of Warp, by default its own choice
+    worlds: their number; device: of Warp, by default its own choice
     model, data: of mujoco_warp; `data.qpos` is (worlds, numbers)
     """
 
@@ -68,6 +68,7 @@ class ManyWorlds:
                 raise ParameterError("robot", f"{many}, and MuJoCo any number")
             self._keep_shapes(world)
             self._keep_wheels(world)
+            # Arrays are made once and written in place, as a captured graph of kernels keeps their addresses.
             self.speeds: Any = wp.zeros((worlds, 2), dtype=wp.float32)
             self.wedged: Any = wp.zeros(worlds, dtype=wp.int32)
             self.centre: Any = wp.full(worlds, np.inf, dtype=wp.float32)
@@ -143,35 +144,36 @@ class ManyWorlds:
         return np.asarray(self.data.qpos.numpy()[:, :7], dtype=float)
 
     def touches(self, geoms: slice) -> Any:
-        """Return how many contacts there are with some geoms in each world, an array of Warp, (worlds,)."""
-        found = wp.zeros(self.worlds, dtype=wp.int32, device=self.data.qpos.device)
+        """Return the number of contacts with some geoms in each world, an array of Warp, (worlds,)."""
+        counts = wp.zeros(self.worlds, dtype=wp.int32, device=self.data.qpos.device)
         contact = self.data.contact
         wp.launch(
             kernels.count_touches,
             dim=self.data.naconmax,
             inputs=[self.data.nacon, contact.geom, contact.worldid, geoms.start, geoms.stop],
-            outputs=[found],
-            device=found.device,
+            outputs=[counts],
+            device=counts.device,
         )
-        return found
+        return counts
 
     def depths(self) -> Array:
         """Return the depth of the deepest contact in each world, (worlds,), metres; 0 without one."""
-        found: Any = wp.zeros(self.worlds, dtype=wp.float32, device=self.data.qpos.device)
+        deepest: Any = wp.zeros(self.worlds, dtype=wp.float32, device=self.data.qpos.device)
         contact = self.data.contact
         wp.launch(
             kernels.find_depths,
             dim=self.data.naconmax,
             inputs=[self.data.nacon, contact.dist, contact.worldid],
-            outputs=[found],
-            device=found.device,
+            outputs=[deepest],
+            device=deepest.device,
         )
-        depths: Array = found.numpy().astype(np.float64)
+        depths: Array = deepest.numpy().astype(np.float64)
         return depths
 
     # A step, and what it calls back.
 
     def _step(self, steps: int) -> None:
+        # The order of `MujocoWorld._step`; `wedged` and `_spent` are for the next step.
         for _ in range(steps):
             if self._wheels:
                 wp.launch(
@@ -242,7 +244,7 @@ class ManyWorlds:
     # What the kernels look up.
 
     def _keep_shapes(self, world: MujocoWorld) -> None:
-        """Keep, for each geom, its body (-1: it is none of the robot), axis, friction and the side of its belt."""
+        """Keep, for each geom, its body (-1 if it is not of the robot), axis, friction and the side of its belt."""
         count = world.model.ngeom
         body, belt = np.full(count, -1, dtype=np.int32), np.full(count, -1, dtype=np.int32)
         axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 2), dtype=np.float32)
@@ -260,7 +262,7 @@ class ManyWorlds:
         self._base = next((turn.body for turn in turns), -1)
 
     def _keep_wheels(self, world: MujocoWorld) -> None:
-        """Keep, for each wheel, its degree of freedom, its side, its speed by that of its belt, and its motor."""
+        """Keep, for each wheel, its degree of freedom, side, turn rate per speed of its side, and motor."""
         wheels = world.wheels
         self._wheels = len(wheels.dofs)
         radius = self.robot.drive.radius

@@ -1,9 +1,9 @@
 """A map with robots as a model of MJCF, MuJoCo's format: the ground, blocks as few boxes, robots, settings.
 
 Boxes may be merged, as a box that touches another one in a plane makes no bump in MuJoCo; so maps are some thousand
-boxes at most, which cost little. Where blocks have coefficients of friction of their own, boxes are of one coefficient
-each. What breaks it: MuJoCo's reader of models, which takes a time that grows with the square of the boxes, 9 s for
-the 58,000 of 320 x 320 random blocks.
+boxes at most, which cost little. If blocks have coefficients of friction of their own, only equal ones are merged. What
+breaks it: MuJoCo's reader of models, whose time grows with the square of the boxes: 9 s for the 58,000 of 320 x 320
+random blocks.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _THINNEST = 1e-4
 
 
 class NamedBoxes(NamedTuple):
-    """Boxes in their own body, next to those of a scene: somebody changes them in the compiled model.
+    """Boxes in a body of their own, besides the blocks of a scene, for callers that change them in the compiled model.
 
     body: its name; names: of the boxes; centres, halves: (boxes, 3), metres
     """
@@ -47,7 +47,7 @@ class NamedBoxes(NamedTuple):
 
 
 class MapModel(NamedTuple):
-    """The text of a model, and what it holds of each robot."""
+    """The text of a model, and its robots."""
 
     text: str
     robots: list[RobotModel]
@@ -64,8 +64,8 @@ def map_model(
 ) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
-    seen: with colours and light, for a window; motors: as which robots drive; built: how the map differs from its
-    drawing; boxes: next to its blocks, with the friction of the scene
+    seen: with colours and light, for a window; motors: their model; built: how the map differs from its drawing
+    boxes: besides its blocks, with the friction of the scene
     """
     # Coefficients of the whole map come first, as they decide in how many layers the shapes of a robot are.
     blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
@@ -91,8 +91,8 @@ def map_model(
     world.extend(body for robot in robots for body in robot.bodies)
     contact = SubElement(root, "contact")
     for robot in robots:
-        for one, other in robot.excluded:
-            SubElement(contact, "exclude", body1=one, body2=other)
+        for first, second in robot.excluded:
+            SubElement(contact, "exclude", body1=first, body2=second)
     SubElement(root, "equality").extend(joint for robot in robots for joint in robot.equalities)
     actuators = SubElement(root, "actuator")
     for robot in robots:
@@ -109,8 +109,8 @@ def _touched(mu: float, friction: MapFriction) -> dict[str, str]:
 def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
     """Yield centre and sides of boxes that fill the blocks and frames, metres, with their coefficient of friction."""
     if scene.recipe.is_of_one_friction:
-        found = box_merging.boxes(scene.field)
-        yield from ((centre, size, scene.friction) for centre, size in zip(found.centres, found.sizes, strict=True))
+        filled = box_merging.boxes(scene.field)
+        yield from ((centre, size, scene.friction) for centre, size in zip(filled.centres, filled.sizes, strict=True))
         return
     for column in box_merging.columns(scene.field):
         mu = round(scene.friction_of(column.material), NANOMETRE_DIGITS)
@@ -118,7 +118,7 @@ def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
 
 
 def _blocks_as_built(scene: Scene, errors: Array) -> Iterator[tuple[Array, Array, float]]:
-    """Yield the same, but each block with an error (n_x, n_y) as its own box, higher than drawn by as much."""
+    """Yield boxes as `_blocks`, but each block with an error (n_x, n_y) as its own box, higher than drawn by it."""
     field = scene.field
     (x, y), differs = field.middles(), np.isfinite(errors) & (field.heights > 0)
     drawn = replace(field, levels=np.where(differs, 0, field.levels), frame=field.frame & ~differs)

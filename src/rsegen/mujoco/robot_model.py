@@ -1,13 +1,13 @@
 """A robot as a body of MJCF, MuJoCo's format: its links, joints, shapes and motors, from its SDF <model>.
 
 Robots of rsegen and of files come the same way, as text of SDF without plug-ins. The origin of the model is a body that
-moves freely; links are attached to it and to each other as the joints say, a fixed one without a joint. What a drive
-needs to know of each shape is kept next to the text: which part of the robot it is, whether it belongs to a belt, and a
-direction along which it has its own friction.
+moves freely; links are attached to it and to each other as the joints say, without a joint if it is fixed. A drive also
+needs to know of each shape: the part of the robot, whether it belongs to a belt, and a direction of its own friction
+(`Shape`).
 
-A mesh touches with its convex hull. The shapes of a belt that are one box, or one mesh, get round ends, as a belt has:
-a box would push its front face against an edge instead of climbing it. What breaks it: joints that are screws or gears,
-and a link that hangs on two others, which are refused.
+A mesh touches with its convex hull. A belt that is a single box or mesh gets round ends, as a real belt has: a box
+would push its front face against an edge instead of climbing it. What breaks it: screws and gears as joints, and a link
+that hangs on two others; both are refused.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
@@ -46,33 +47,32 @@ from rsegen.robots.parameters import MOTORS
 from rsegen.simulators.embedded import PlacedRobot
 
 _ENDLESS = 1e6
-"""Limits of joints and efforts from which on a file means that there is none."""
+"""Limits of joints and efforts from which on a file means no limit."""
 
 _OF_HULL = 500
-"""Cubes along the diagonal of a mesh of many faces in each of which its hull has a point at most."""
+"""Cubes along the diagonal of a mesh of many faces; its hull has at most one point in each."""
 
 _THIN = 0.0005
 """Half of a side, metres, that a shape has at least: MuJoCo takes no flat one."""
 
 _SLIPPERY = 0.02
-"""Share of a coefficient of friction that the one at right angles to it has at least: contacts are solved with the
-square of that share, and fly apart with none."""
+"""Least ratio of the two coefficients of a shape: contacts are solved with its square, and fly apart with 0."""
 
 _AXLE = 0.9
-"""Cosine of the angle to the axle from which on a direction of friction is meant to be that of the axle."""
+"""Cosine of the angle to the axle from which on a direction of friction is taken for the axle's."""
 
 _JOINTS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "ball": "ball"}
-"""Types of joints in SDF and in MJCF; one that is neither these nor fixed cannot be driven."""
+"""Type of a joint in SDF -> in MJCF; all others but fixed ones are refused."""
 
 
 class Shape(NamedTuple):
-    """A collision shape of a robot, named as in the model.
+    """A collision shape of a robot, by its name in the model.
 
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
-    they are equal on this map, but for a belt
-    is_box: whether its friction has a limit along the axis and one across it, each on its own, as in Gazebo Classic;
-    without an axis, along those of the world, as there
+    both are equal on this map, unless it is a belt's
+    is_box: whether friction has separate limits along the axis and across it, as in Gazebo Classic; without an axis
+    along the axes of the world, as there
     """
 
     name: str
@@ -100,9 +100,9 @@ class WheelMotor(NamedTuple):
 class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
-    links: their names, as in its file; bodies: of the world; assets: meshes; hulls: the parts that have one; excluded:
-    pairs of bodies that do not touch; equalities: joints that follow others; remarks: sentences about what is not as in
-    its file
+    links: their names, as in its file; bodies: of the world; assets: meshes; hulls: parts that touch with their hulls
+    excluded: pairs of bodies that do not touch; equalities: joints that follow others
+    remarks: sentences about what is not as in its file
     """
 
     name: str
@@ -134,13 +134,13 @@ def quaternion(turn: Array) -> str:
     """Return a rotation, (3, 3), as text of MJCF: w x y z."""
     import mujoco
 
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn, dtype=float).ravel())
-    return numbers(found)
+    wxyz = np.zeros(4)
+    mujoco.mju_mat2Quat(wxyz, np.ascontiguousarray(turn, dtype=float).ravel())
+    return numbers(wxyz)
 
 
 class _Builder:
-    """Builds the model of one robot."""
+    """A builder of the model of one robot; it appends all parts to `model`."""
 
     def __init__(self, placed: PlacedRobot, friction: MapFriction, motors: str, *, alone: bool) -> None:
         at = placed.start
@@ -185,10 +185,10 @@ class _Builder:
             self._add_link(base, root, np.eye(4))
         if looping := next((link for link in self._links if link not in self.model.links), None):
             raise FileError(f"{self._where}: the joints above link {looping} form a loop, which MuJoCo does not drive")
+        # Robots touch each other by the bit `ROBOTS`, which would let the parts of one robot touch as well.
         if not self._alone:
             names = [str(body.get("name")) for root in self.model.bodies for body in root.iter("body")]
-            pairs = [(one, other) for number, one in enumerate(names) for other in names[number + 1 :]]
-            self.model.excluded.extend(pairs)
+            self.model.excluded.extend(combinations(names, 2))
 
     def _free(self, name: str, place: Array) -> Element:
         body = Element("body", name=name, pos=numbers(place[:3, 3]), quat=quaternion(place[:3, :3]))
@@ -197,9 +197,9 @@ class _Builder:
         return body
 
     def _add_link(self, holder: Element, link: str, above: Array) -> None:
-        """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`.
+        """Add a link, and all links that hang on it, to the body that holds it; above: that body's pose, (4, 4).
 
-        A link hangs on one other, so from the first one down there is no loop.
+        A link hangs on one other link (`_holders`), so this ends.
         """
         pose = self._frames.transform(link)
         own = np.linalg.inv(above) @ pose
@@ -219,8 +219,10 @@ class _Builder:
     def _add_joint(self, body: Element, name: str, pose: Array) -> None:
         element = self._frames.joints[name]
         kind = element.get("type", "")
+        # On the world a joint is left out: the robot moves freely, as every model here.
         if kind == "fixed" or self._frames.parent(name) not in self._links:
             return
+        # From the frame of the model to the frame of the link, in which MJCF has anchor and axis.
         back = pose[:3, :3].T
         anchor = back @ (self._frames.joint(name)[:3, 3] - pose[:3, 3])
         values = {"name": f"{self.model.name}/{name}", "type": _JOINTS[kind], "pos": numbers(anchor)}
@@ -241,7 +243,7 @@ class _Builder:
         SubElement(body, "joint", values)
 
     def _add_followers(self) -> None:
-        """Add constraints by which joints follow others; what has a motor of the drive follows that."""
+        """Add constraints by which joints follow others, but for joints that motors of the drive turn."""
         for name, mimic in mimics(self._frames).items():
             if name in self.model.drive.joints:
                 continue
@@ -251,7 +253,7 @@ class _Builder:
             self.model.equalities.append(Element("joint", joints | {"polycoef": ratio} | stiff))
 
     def _number(self, element: Element, path: str) -> float | None:
-        """Return a number of a joint; None if there is none, or none that limits anything."""
+        """Return a number of a joint; None if it is missing, not a number, or too large to limit anything."""
         try:
             value = float(element.findtext(path) or "inf")
         except ValueError:
@@ -265,7 +267,7 @@ class _Builder:
             (mass,) = floats(inertial.findtext("mass", "1"), 1, self._where)
             place = self._frames.local(inertial)
         moments, axes = np.linalg.eigh(inertia_tensor(link, self._links[link], self._frames))
-        if np.linalg.det(axes) < 0:
+        if np.linalg.det(axes) < 0:  # a mirror image, not a rotation
             axes[:, 0] *= -1
         SubElement(
             body,
@@ -282,7 +284,7 @@ class _Builder:
         for collision, geometry in own:
             placed = np.linalg.inv(pose) @ self._frames.shape(link, collision)
             part = f"{link}::{collision.get('name', '')}"
-            mu, mu2 = (coefficient(collision, each, self._where) for each in ("mu", "mu2"))
+            mu, mu2 = (coefficient(collision, name, self._where) for name in ("mu", "mu2"))
             direction = self._direction(collision, pose @ placed)
             solids = list(self._solids(geometry[0], part))
             if side >= 0 and len(own) == 1 and len(solids) == 1 and geometry[0].tag in ("box", "mesh"):
@@ -309,7 +311,7 @@ class _Builder:
             return -1
         return 0 if link in drive.left else 1 if link in drive.right else -1
 
-    def _add_shape(  # all that a shape is
+    def _add_shape(
         self,
         body: Element,
         shape: _Placed,
@@ -329,14 +331,14 @@ class _Builder:
         if side >= 0:
             drive = self.model.drive
             assert isinstance(drive, Tracks)  # noqa: S101  # `_belt_side`
-            # What of a belt is across it is along its axles, however it is bent.
+            # Across a belt is along its axles, y of the model, however the belt is bent.
             axis, mu_axis, mu_other = back @ (0.0, 1.0, 0.0), drive.mu2, drive.mu
         elif direction.any():
             turned = shape.pose[:3, :3] @ direction
             axis = turned / np.linalg.norm(turned)
             if part.rpartition("::")[0] in self._driven:
                 axis, mu_axis, mu_other = self._on_axle(axis, shape.link, (mu, mu2))
-        # A belt runs at right angles to its axle, so its contacts are turned in any case, as a box's are.
+        # Equal coefficients need no axis, but contacts of belts are turned for their motion, and boxes for their sides.
         if (
             side < 0
             and not self._is_classic
@@ -361,7 +363,7 @@ class _Builder:
                 conaffinity=str(others),
             )
             if side >= 0:
-                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
+                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo reads speeds only of shapes that have one when it compiles
             self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, self._is_classic))
 
     def _asset(self, vertices: str) -> str:
@@ -377,8 +379,9 @@ class _Builder:
     def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
         """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
 
-        A direction in a wheel turns with it. What lies in its plane is meant to be that in which it rolls, so the axle
-        is the axis. A diagonal is that of a mecanum wheel's rollers, which are not here: it is an ordinary one.
+        A direction in a wheel turns with it. A direction in the plane of a wheel is meant to be the one in which it
+        rolls, so the axle is the axis. A diagonal belongs to the rollers of a mecanum wheel, which are not simulated:
+        it is driven as an ordinary wheel.
         """
         mu, mu2 = mus
         axle = link[:3, :3].T @ (0.0, 1.0, 0.0)
@@ -413,7 +416,7 @@ class _Builder:
     def _rounded(self, solid: tuple[dict[str, str], Array], in_model: Array) -> Iterator[tuple[dict[str, str], Array]]:
         """Yield a belt round two ends in place of a single box or mesh, in the frame of that shape.
 
-        Its length, width and height are those of the box around the shape along the robot's axes.
+        It is as long, wide and high as the box around the shape along the robot's axes.
         """
         attributes, at = solid
         if attributes["type"] == "box":
@@ -454,10 +457,11 @@ class _Builder:
 
 @lru_cache(maxsize=64)
 def _hull(path: Path, scale: tuple[float, ...], changed: float) -> tuple[dict[str, str], Array]:
-    """Return a mesh by the points of its convex hull; one that is flat as a thin box. changed: when its file was."""
+    """Return a mesh by the points of its convex hull, or a thin box if it is flat; changed: time of its file."""
     points, corners = simplified_to(collision_mesh(path), _OF_HULL)
     used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
     low, high = used.min(axis=0), used.max(axis=0)
+    # The least singular value is small if all points are near a plane, at any angle.
     spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)
     if len(used) < 4 or spread[-1] < _THIN:  # no hull has a volume
         half = np.maximum((high - low) / 2, _THIN)
@@ -466,7 +470,7 @@ def _hull(path: Path, scale: tuple[float, ...], changed: float) -> tuple[dict[st
 
 
 class _Placed(NamedTuple):
-    """A shape with its pose in its link, (4, 4), and the link's in the model."""
+    """A shape with its pose in its link, and the pose of the link in the model, (4, 4) each."""
 
     attributes: dict[str, str]
     pose: Array

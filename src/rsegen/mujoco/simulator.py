@@ -42,12 +42,12 @@ class Mujoco(EmbeddedSimulator):
         packages = _packages()
         if not packages:
             return None
-        package, found = next(iter(packages.items()))
-        if _is_old(found):
+        package, installed = next(iter(packages.items()))
+        if _is_old(installed):
             how = f"to install {self.title} {_FIRST}: pip install -U '{package}>={_FIRST}'"
-            raise NoSimulator(f"{package} {found} is installed, which is too old; {how}; {self.how_to_install[1]}")
+            raise NoSimulator(f"{package} {installed} is installed, which is too old; {how}; {self.how_to_install[1]}")
         _refuse_broken(packages, has_code=spec.origin is not None)
-        return found
+        return installed
 
     def world(
         self,
@@ -102,15 +102,15 @@ class Mujoco(EmbeddedSimulator):
 
 def _packages() -> dict[str, str]:
     """Return the versions of the packages of MuJoCo that are installed, by their names."""
-    found = {}
+    versions = {}
     for package in _PACKAGES:
         with suppress(PackageNotFoundError):
-            found[package] = version(package)
-    return found
+            versions[package] = version(package)
+    return versions
 
 
-def _is_old(found: str) -> bool:
-    return int(found.partition(".")[0]) < _FIRST
+def _is_old(installed: str) -> bool:
+    return int(installed.partition(".")[0]) < _FIRST
 
 
 def _refuse_broken(packages: Mapping[str, str], *, has_code: bool) -> None:
@@ -123,9 +123,11 @@ def _refuse_broken(packages: Mapping[str, str], *, has_code: bool) -> None:
     is_mixed = new in packages and old in packages and _is_old(packages[old]) and not _is_whole(new)
     if is_mixed or not has_code:
         name = f"{new} {packages[new]}" if new in packages else f"{old} {packages[old]}"
-        what = f"{old} {packages[old]} has overwritten files of {name}" if is_mixed else f"files of {name} are missing"
+        damage = (
+            f"{old} {packages[old]} has overwritten files of {name}" if is_mixed else f"files of {name} are missing"
+        )
         how = f"pip uninstall {old} {new}, then pip install '{new}>={_FIRST}'"
-        raise NoSimulator(f"{what}; to have MuJoCo {_FIRST} again: {how}")
+        raise NoSimulator(f"{damage}; to have MuJoCo {_FIRST} again: {how}")
 
 
 def _is_whole(package: str) -> bool:

@@ -1,10 +1,10 @@
 """The factor by which a robot's sides must run faster than its separation says, to turn at the commanded rate.
 
-What skids turns less than it rolls, and a wide wheel turns on its outer edge. The gain is measured, once for each robot
-and process, in this very simulator: the robot turns on flat ground at half of its turn rate, and the gain is the
-commanded angle over the turned one; then once more with that gain, as skidding need not be linear. Statics of four thin
-wheels, L apart along the robot and B across, has 1 + (L / B)^2. Cost: two simulated seconds or twice that, a tenth of a
-second of CPU. What breaks it: a ground with less friction than the flat one, on which it turns otherwise.
+A robot that skids turns less than its wheels roll, and a wide wheel turns on its outer edge. The gain is measured, once
+for each robot and process, in this very simulator: the robot turns on flat ground at half of its turn rate, and the
+gain is the commanded angle over the turned one; then once more with that gain, as skidding need not be linear. By
+statics it is 1 + (L / B)^2 for four thin wheels, L apart along the robot and B across. Cost: two simulated seconds or
+twice that, a tenth of a second of CPU. What breaks it: a ground of less friction, on which the gain is another one.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _GAINS = (0.5, 8.0)
 """Gains that are believed: a robot that does not turn on flat ground has none."""
 
 _TURNS_AS_TOLD, _ROLLS = 0.01, 0.005
-"""Share by which a measured turn may be off, and by which a gain is that of wheels that roll, 1."""
+"""Share by which a measured turn may be off, and by which a gain may differ from 1, of wheels that roll, and be 1."""
 
 _MOST = 3
 """Measurements at most."""
@@ -48,11 +48,11 @@ def turn_gain(robot: DrivableRobot) -> float:
             turned = _turned(robot, w, gain)
         except SimulatorFailed:
             return 1.0
-        lacking = w * _TURNS / turned if turned > 0 else 0.0
-        gain *= lacking
+        missing = w * _TURNS / turned if turned > 0 else 0.0
+        gain *= missing
         if not _GAINS[0] <= gain <= _GAINS[1]:
             return 1.0
-        if abs(lacking - 1) < _TURNS_AS_TOLD:
+        if abs(missing - 1) < _TURNS_AS_TOLD:
             break
     return gain if abs(gain - 1) > _ROLLS else 1.0
 
@@ -72,7 +72,7 @@ def on_flat_ground(robot: DrivableRobot, gain: float = 1.0) -> MujocoWorld:
 
 
 def turned_within(world: MujocoWorld, seconds: float) -> float:
-    """Simulate for some seconds, and return the radians by which such a robot has turned, counterclockwise."""
+    """Simulate for some seconds, and return the radians by which the robot has turned, counterclockwise."""
     before, turned = world.poses()[ROBOT].yaw, 0.0
     for _ in range(round(seconds / _LOOK)):
         world.step(round(_LOOK / STEP))

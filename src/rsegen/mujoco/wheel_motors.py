@@ -20,11 +20,11 @@ from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
 from rsegen.robots.parameters import MOTORS
 
 _STRONG = 1e6
-"""Torque, Nm, of a motor that nothing limits: the friction of its wheel does."""
+"""Torque, Nm, of a motor without a limit of its own: the friction of its wheel limits it."""
 
 _RAMP = 10.0
-"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
-jumped to its speed would throw the robot up by its reaction."""
+"""Acceleration, m/s^2, of a drive whose own is unknown: as much as friction lets a robot use. A motor that jumped to
+its speed would throw the robot up by its reaction."""
 
 _AT_LIMIT, _SLOW, _OFTEN = 0.999, 0.5, 0.2
 """Share of its torque from which on a motor is at its limit, of its speed below which a wheel is slow, and of the steps
@@ -32,15 +32,17 @@ from which on that is reported."""
 
 
 class WheelMotors:
-    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step.
+    """The motors of all wheels: the commanded speeds, and how much they may change in a step.
 
-    motors: reaction or classic, which writes the speed of a wheel
+    motors: reaction, or classic, which writes the speed of a wheel
+    owner: (wheels, 2) robot and side; dofs: degrees of freedom; react: whether motors act back; most: rad/s a step
+    turns: whether the motor overcomes the friction of its joint
     """
 
     def __init__(self, model: Any, robots: Sequence[RobotModel], motors: str) -> None:
-        wheels = [(number, robot.drive, wheel) for number, robot in enumerate(robots) for wheel in robot.wheels]
+        wheels = [(index, robot.drive, wheel) for index, robot in enumerate(robots) for wheel in robot.wheels]
         self._robots, self._weights = robots, weights(model, robots)
-        self.owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
+        self.owner = np.array([(index, wheel.side) for index, _, wheel in wheels], dtype=int).reshape(-1, 2)
         self.dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
         # Classic's drive writes the commanded speed at once: with a ramp, burgers cross 0.1 s later than there.
         self.react = motors == MOTORS[0] and bool(wheels)
@@ -53,15 +55,16 @@ class WheelMotors:
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
         self._has_changed = False
         self._added: list[tuple[int, float]] | None = []  # rows of the wheels, and what their speeds add to references
-        # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
+        # A wheel whose motor cannot overcome the friction of its joint stands still, held by the rest of that friction.
         nets = np.array([_STRONG if wheel.torque is None else wheel.torque - wheel.friction for *_, wheel in wheels])
         self._torques, self.turns = np.maximum(np.abs(nets), 1e-9), nets > 0
         self._steps, self._at_limit = 0, np.zeros(len(wheels), dtype=int)
         if self.react:
             model.dof_frictionloss[self.dofs] = self._torques
             model.dof_solref[self.dofs], model.dof_solimp[self.dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
+            # MuJoCo has a row of friction for each degree of freedom that has some, in their order.
             self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self.dofs)
-        else:  # what brakes a wheel would act on the chassis alone, and push it back
+        else:  # the speed of a wheel is written, so brakes of it would act on the chassis alone, and push it back
             model.dof_damping[self.dofs[self.turns]] = model.dof_frictionloss[self.dofs[self.turns]] = 0
         self._is_limited = bool((self._torques < _STRONG).any())
         # Of each wheel: its row, degree of freedom, force at its motor's limit, and the speed below which it is slow.
@@ -74,12 +77,12 @@ class WheelMotors:
         self._has_changed = True
 
     def stop(self) -> None:
-        """Let all wheels stand."""
+        """Stop all wheels at once."""
         self._wanted[:] = self._now[:] = 0
         self._has_changed = True
 
     def before_step(self, data: Any) -> None:
-        """Bring speeds nearer to those that are wanted; without a reaction, write them."""
+        """Bring speeds nearer to the commanded ones; without a reaction, write them."""
         if self._has_changed:
             self._now += np.clip(self._wanted - self._now, -self.most, self.most)
             self._has_changed = not np.array_equal(self._now, self._wanted)
@@ -92,10 +95,10 @@ class WheelMotors:
             data.qvel[self.dofs] = self._now
 
     def turn(self, data: Any) -> None:
-        """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
+        """Add the speeds to the references of the friction rows, which MuJoCo has made for rest."""
         if not self.react:
             return
-        first = data.ne
+        first = data.ne  # rows of equalities come before those of friction
         if self._added is None:
             gains = data.efc_KBIP[first + self._rows, 1]  # the same in all steps
             self._added = list(zip(self._rows.tolist(), (gains * (self._now * self.turns)).tolist(), strict=True))
@@ -105,7 +108,7 @@ class WheelMotors:
             references[first + row] += added
 
     def after_step(self, data: Any) -> None:
-        """Count the steps in which motors are at their limit, and wheels slow."""
+        """Count the steps in which a motor is at its limit and its wheel is slow."""
         self._steps += 1
         if self.react and self._is_limited:
             forces, speeds, first = data.efc_force, data.qvel, data.ne
@@ -115,13 +118,13 @@ class WheelMotors:
 
     def notes(self) -> Iterator[str]:
         """Yield a sentence for each robot whose motors are too weak for where it is."""
-        for number, robot in enumerate(self._robots):
-            own = self.owner[:, 0] == number
+        for index, robot in enumerate(self._robots):
+            own = self.owner[:, 0] == index
             share = self._at_limit[own].max(initial=0) / max(self._steps, 1)
             if share < _OFTEN:
                 continue
             torque = min(wheel.torque for wheel in robot.wheels if wheel.torque is not None)
-            slips = self._weights[number] * robot.drive.radius / len(robot.wheels)
+            slips = self._weights[index] * robot.drive.radius / len(robot.wheels)  # with a coefficient of 1
             rubs = max(wheel.friction for wheel in robot.wheels)
             own_friction = f", of which their joints take {rubs:.3g} Nm" if rubs else ""
             yield (

@@ -1,7 +1,7 @@
-"""A world of MuJoCo in real time: in MuJoCo's own window, or without one.
+"""A world of MuJoCo in real time, in MuJoCo's own window or without a window.
 
-The window is passive: it shows what is simulated here, as belts and wheels are more than MuJoCo's own loop knows. It
-needs glfw and a screen with OpenGL, and ends the process if there is none; so a window that nobody sees is tried first.
+The window is passive: it shows a world that is simulated here, as MuJoCo's own loop knows neither belts nor motors of
+wheels. It needs glfw and a screen with OpenGL, and ends the process without these; so a hidden window is tried first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _TURN = 0.01
 """Seconds of simulation between two looks at the clock; a window shows 60 pictures a second or fewer."""
 
 _LATE = 0.1
-"""Seconds of wall time by which a world may be late before it is no longer made up for."""
+"""Seconds of wall time by which a world may be late and still catches up."""
 
 _CLOSES = 5.0
 """Seconds in which a window closes, at most."""
@@ -38,10 +38,10 @@ class Window(Protocol):
         """Return whether nobody has closed it."""
 
     def sync(self) -> None:
-        """Show the world as it is, and take what the mouse pulls at."""
+        """Show the world as it is, and apply the forces of the mouse."""
 
     def lock(self) -> Any:
-        """Return what to hold while the world is simulated."""
+        """Return a lock to hold while the world is simulated."""
 
 
 def simulate(world: MujocoWorld, seconds: float | None, window: Window | None) -> None:
@@ -61,7 +61,7 @@ def simulate(world: MujocoWorld, seconds: float | None, window: Window | None) -
 
 @contextmanager
 def window_on(world: MujocoWorld, camera: Camera) -> Iterator[Window]:
-    """Open a window on a world, which looks from where a camera is that looks at the origin.
+    """Open a window on a world, with the view of a camera that looks at the origin.
 
     NoSimulator if its library is missing, UserError if the screen cannot show it.
     """

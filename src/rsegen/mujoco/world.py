@@ -6,8 +6,8 @@ Wheels turn by motors between them and the chassis, which reach their speed with
 acceleration allow. How belts run, and how contacts hold and slide, is in `rsegen.mujoco.contacts`.
 
 Cost: 40 to 50 microseconds a step and robot, of which a third turns contacts of belts; with 50,000 boxes of a map three
-times as much. The same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends
-round more than its ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an error.
+times as much. The same world gives the same numbers, bit by bit, in every process. What breaks it: a belt with more
+bends than its two ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an error.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ STARTS_IN = 0.002
 """Depth, metres, of a contact at the start from which on a robot starts inside a block."""
 
 _PUSHED = 0.01
-"""Share of a robot's weight with which a part is pushed back at least if it holds the robot."""
+"""Share of a robot's weight that pushes a part back at least if that part holds the robot."""
 
 
 class MujocoWorld(EmbeddedWorld):
@@ -52,7 +52,7 @@ class MujocoWorld(EmbeddedWorld):
     period: seconds between two rows of the record
     seen: with colours and light, for a window
     built: how the map differs from its drawing
-    boxes: next to its blocks, which somebody changes in `model`, and then calls `restart`
+    boxes: besides its blocks; a caller that changes them in `model` calls `restart` then
     """
 
     step_seconds: ClassVar[float] = STEP
@@ -76,10 +76,11 @@ class MujocoWorld(EmbeddedWorld):
                 self.data: Any = mujoco.MjData(self.model)
         except ValueError as error:
             raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
+        # Friction as built: here for all contacts, and in `Shapes` for the coefficients along and across.
         self.model.geom_friction[:, 0] *= built.friction
         self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
-        self._numbers = {robot.name: number for number, robot in enumerate(placed)}
+        self._numbers = {robot.name: index for index, robot in enumerate(placed)}
         self.robots, self._period = made.robots, round(min(period, _NEVER) / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self.gains = gains or [1.0] * len(placed)
@@ -121,16 +122,16 @@ class MujocoWorld(EmbeddedWorld):
 
     def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
         """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
-        number = self._numbers[name]
+        index = self._numbers[name]
         drive = robot.drive
         if self.shapes.are_boxes and isinstance(drive, Tracks):
-            self.belts.command(self.shapes, number, *drive.classic_turn(v, w))
+            self.belts.command(self.shapes, index, *drive.classic_turn(v, w))
             return
-        left, right = drive.sides(v, w, self.gains[number])
+        left, right = drive.sides(v, w, self.gains[index])
         if isinstance(drive, Wheels):
-            self.wheels.command(number, left / drive.radius, right / drive.radius)
+            self.wheels.command(index, left / drive.radius, right / drive.radius)
         else:
-            self.belts.command(self.shapes, number, left, right)
+            self.belts.command(self.shapes, index, left, right)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
@@ -160,16 +161,16 @@ class MujocoWorld(EmbeddedWorld):
                 self._check()
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts before the first step; those of each step count for `shares`."""
+        """Simulate this number of steps, and return the contacts before the first; all steps count for `shares`."""
         contacts = list(self._contacts())
         self._step(steps, is_counted=True)
         return contacts
 
-    # What it tells.
+    # Results.
 
     def link_poses(self) -> LinkPoses:
         """Return the poses of all links now."""
-        # A step computes the poses of links at its beginning; what comes after them is not to be changed.
+        # A step computes the poses of links at its beginning, so they are late; `data` itself must not change here.
         data = self._drawn = self._drawn or mujoco.MjData(self.model)
         data.qpos[:] = self.data.qpos
         mujoco.mj_kinematics(self.model, data)
@@ -193,7 +194,7 @@ class MujocoWorld(EmbeddedWorld):
         return {name: self.shapes.shares(name) for name in self._names}
 
     def held_by(self, name: str) -> str | None:
-        """Return the part of a robot that is pushed back most, against its heading; None if none is."""
+        """Return the part of a robot that is pushed back most, against its heading; None if no part is."""
         yaw, contact = self._now()[name][5], self.data.contact
         back: dict[str, float] = {}
         for at, (frame, pair) in enumerate(zip(contact.frame, contact.geom.tolist(), strict=True)):
@@ -209,7 +210,7 @@ class MujocoWorld(EmbeddedWorld):
         return max(held, key=back.__getitem__, default=None)
 
     def notes(self) -> Iterator[str]:
-        """Yield what a reader of the drive should know of its physics: that meshes touch with their hulls."""
+        """Yield notes on the physics of a drive: meshes that touch with their hulls, remarks, and weak motors."""
         for robot in self.robots:
             if count := len(robot.hulls):
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
@@ -231,11 +232,11 @@ class MujocoWorld(EmbeddedWorld):
         self._rows.append((self._seconds, self._now()))
 
     def _contacts(self) -> Iterator[Contact]:
-        """Yield the contacts now: those of a pair of parts are one, at their mean point."""
+        """Yield the contacts now, one for each pair of parts that touch, at the mean point."""
         geoms, points = self.data.contact.geom, self.data.contact.pos
         pairs: dict[tuple[str, str], list[Array]] = {}
-        for (one, other), point in zip(geoms.tolist(), points, strict=True):
-            pairs.setdefault((self._part(one), self._part(other)), []).append(point)
+        for (first, second), point in zip(geoms.tolist(), points, strict=True):
+            pairs.setdefault((self._part(first), self._part(second)), []).append(point)
         for pair, where in pairs.items():
             x, y, z = np.mean(where, axis=0).tolist()
             yield Contact(collisions=pair, position=(x, y, z))
@@ -245,12 +246,12 @@ class MujocoWorld(EmbeddedWorld):
             return name
         return f"{GROUND}::link::collision" if geom == 0 else f"{self._scene}::map::blocks"
 
-    # What goes wrong.
+    # Failures.
 
     def _check(self) -> None:
         """Raise a SimulatorFailed if the physics has failed."""
-        found = self.data.warning
-        warnings = [mujoco.mju_warningText(kind, found[kind].lastinfo) for kind in np.flatnonzero(found.number)]
+        counted = self.data.warning
+        warnings = [mujoco.mju_warningText(kind, counted[kind].lastinfo) for kind in np.flatnonzero(counted.number)]
         if warnings or not np.isfinite(self.data.qpos).all():
             why = f" ({warnings[0].rstrip('. ')})" if warnings else ""
             problem = f"the physics failed after {self._seconds:g} s{why}, so this drive has no result"
@@ -258,11 +259,11 @@ class MujocoWorld(EmbeddedWorld):
         self._refuse_sunk(SINKS, f"after {self._seconds:g} s it sank in, so this drive has no result")
 
     def _refuse_sunk(self, depth: float, why: str) -> None:
-        found = self.data.contact.dist
-        if len(found) and found.min() < -depth:
-            number = int(found.argmin())
-            parts = " and ".join(self._part(geom) for geom in self.data.contact.geom[number].tolist())
-            raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
+        distances = self.data.contact.dist
+        if len(distances) and distances.min() < -depth:
+            deepest = int(distances.argmin())
+            parts = " and ".join(self._part(geom) for geom in self.data.contact.geom[deepest].tolist())
+            raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * distances[deepest]:.3g} mm inside each other: {why}")
 
 
 _NEVER = 1e12
@@ -283,10 +284,10 @@ def pose_numbers(state: Sequence[float]) -> list[float]:
 
 
 def _make_constraints(model: Any, data: Any, shapes: Shapes) -> None:
-    """Do the first half of a step: the parts of `mj_step1`, bit by bit, without what it does for the map.
+    """Do the first half of a step: the same as `mj_step1`, bit by bit, but without the kinematics of the map.
 
-    With its flag for sleep, MuJoCo leaves bodies out that cannot move: their boxes are where they were. Without it the
-    kinematics of 760 boxes take 13 microseconds a step, those of a robot 1.5. Nothing else sees the flag, so no robot
+    With its flag for sleep, MuJoCo leaves out bodies that cannot move: their boxes are where they were. Without it the
+    kinematics of 760 boxes take 13 microseconds a step, and of a robot 1.5. Nothing else sees the flag, so no robot
     falls asleep.
     """
     flags = model.opt.enableflags
@@ -297,6 +298,7 @@ def _make_constraints(model: Any, data: Any, shapes: Shapes) -> None:
     mujoco.mj_makeM(model, data)
     mujoco.mj_factorM(model, data)
     mujoco.mj_collision(model, data)
+    # Between these two calls of `mj_step1`: contacts are known, and no constraint is made of them yet.
     if shapes.turned and data.ncon:
         shapes.turn(data)
     mujoco.mj_makeConstraint(model, data)

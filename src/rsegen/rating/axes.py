@@ -1,4 +1,4 @@
-"""Axes: what makes a field harder, as a parameter of its recipe, and the levels at which a robot is tried."""
+"""Axes of difficulty: the parameter of a recipe that makes its fields harder, and the levels of trials."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _PER_DECADE = 100
 class Axis:
     """A parameter of recipes along which fields become harder.
 
-    name, parameter: as `rate` takes it, and in a recipe; words: with a gap for the level; low, high: the ends of the
-    levels; is_rising: whether higher levels are harder
+    name: as `rate` takes it; parameter: in a recipe; words: with a gap for the level
+    low, high: the ends of the levels; is_rising: whether higher levels are harder
     """
 
     name: str
@@ -36,7 +36,7 @@ class Axis:
         return replace(recipe, **self.parameters_at(recipe, level))
 
     def parameters_at(self, recipe: Recipe, level: float) -> dict[str, Any]:
-        """Return the parameter of the recipe that makes its fields those of a level."""
+        """Return the parameter, by its name, that gives the fields of a recipe a level."""
         return {self.parameter: level}
 
     def place(self, level: float) -> float:
@@ -74,7 +74,7 @@ class Axis:
     def shown(self, *levels: float) -> str:
         """Return a level in words, with the ends of its interval, if they are given: `a unit of 6.1 cm [5.8, 6.5]`.
 
-        What is beyond the axis is said to be so: `a difficulty of 0.9 [0.7, more than 1]`.
+        An end beyond the axis is not a number: `a difficulty of 0.9 [0.7, more than 1]`.
         """
         level, *ends = map(self._number, levels)
         return self.words.format(level) + (f" [{', '.join(ends)}]" if ends else "")
@@ -87,7 +87,7 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Slope(Axis):
-    """The angle of a slope of one unit per block, degrees, which gives the unit: as of a barrier without softness."""
+    """The angle of a slope of one unit per block, degrees, which decides the unit."""
 
     def parameters_at(self, recipe: Recipe, level: float) -> dict[str, Any]:
         """Return the unit that has this slope, to a thousandth of a centimetre."""
@@ -97,7 +97,7 @@ class Slope(Axis):
 AXES = {
     axis.name: axis
     for axis in (
-        # From what stops no wheel to more than a person climbs.
+        # From steps that stop no wheel to steps that nobody climbs.
         Axis(name="unit", parameter="unit_cm", words="a unit of {} cm", low=0.05, high=100.0),
         Axis(name="difficulty", parameter="difficulty", words="a difficulty of {}", low=0.01, high=1.0),
         Axis(
@@ -111,7 +111,7 @@ AXES = {
         Slope(name="slope", parameter="unit_cm", words="a slope of {} degrees", low=1.0, high=80.0),
     )
 }
-"""Every axis by its name. Narrow blocks are the harder ones: each step is met by more wheels at once."""
+"""Every axis by its name. Narrow blocks are harder than wide ones, as more wheels meet a step at once."""
 
 
 def refuse_unusable(axis: Axis, recipe: Recipe) -> None:

@@ -123,9 +123,9 @@ def rate(  # noqa: PLR0913  # each is a flag
     recipe : Recipe, optional
         The fields; by default normal random blocks, 10 x 10 of 10 cm, without a frame.
     seed : int, optional
-        Seed of the fields, by default that of the recipe.
+        Seed of the fields, by default the recipe's.
     progress : callable, optional
-        Called with the number of trials that are done, and about which share of all that is.
+        Called with the number of finished trials, and an estimate of their share of all.
 
     Returns
     -------
@@ -155,6 +155,7 @@ def rate(  # noqa: PLR0913  # each is a flag
         execution=Execution(workers=workers, scheduler=scheduler),
         progress=progress or ignore,
     )
+    # A rating and a test of reliability share the robot and the fields; parameters of the other one are refused.
     if reliability is None:
         for name, value in (("confidence", confidence), ("repetitions", repetitions)):
             if value is not None:
@@ -178,7 +179,7 @@ _FOR_RATINGS: Mapping[str, str] = {
     "axis": "the fields of a test of reliability are as the recipe has them",
     "precision": "a test of reliability ends after its repetitions",
 }
-"""Parameters that a test of reliability has not, and why."""
+"""Parameters that a test of reliability does not take, and why."""
 
 
 def _refuse_for_reliability(**values: object) -> None:

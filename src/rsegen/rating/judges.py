@@ -1,12 +1,12 @@
-"""Judges: what says whether a robot crosses a field, each from what it knows.
+"""Judges, which decide whether a robot crosses a field, each in its own way.
 
-    mujoco        a drive as of `rsegen drive`, straight from the west side
+    mujoco        a drive as in `rsegen drive`, straight from the west side
     prediction    the robot's poses on its lane (standing/lanes.py), without a simulator
     classic, sim  a drive in a Gazebo server
-    a function    whatever it does with a field and a seed
+    a function    of the user, called with a field and a seed
 
-Each is a value that a worker of another process gets. The field of a trial is the map of its index, so no two trials
-have the same one, and every judge sees the same fields at a level.
+A judge is a picklable value for workers. The field of a trial is the map of its index, so no two trials have the same
+field, and all judges see the same fields at a level.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ from rsegen.simulators.server import choose_installation
 from rsegen.standing.lanes import straight
 
 Crosses = Callable[[StepField, int], bool]
-"""A function that says whether a robot gets across a field; the seed is for what it draws."""
+"""A function that returns whether a robot gets across a field; the seed is for its random numbers."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trial:
     """A robot on one field.
 
-    map: the index of the field; level: on the axis; crossed: None if there is no result, and failed says why; seconds:
-    until it was across; x: where it was at the end, metres; tipped: how often it tipped over; duration: seconds that it
-    had. A judge that does not drive has none of the last four.
+    map: the index of the field; level: on the axis; crossed: None without a result, for which failed has the reason
+    seconds: until it was across; x: where it was at the end, metres; tipped: how often it tipped over; duration: the
+    longest time of the drive, seconds. These four are None for a judge that does not drive.
     """
 
     map: int
@@ -83,13 +83,13 @@ class Judge(ABC):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Driven(Judge):
-    """Drives straight from the west side; duration: seconds at most, None for the usual ones of each field."""
+    """Drives straight from the west side; duration: seconds at most, None for the usual duration on each field."""
 
     robot: DrivableRobot
     duration: float | None
 
     def trial(self, recipe: Recipe, asked: Asked) -> Trial:
-        """Return the trial that a drive is."""
+        """Return the trial of a drive."""
         duration = self.duration or usual_duration(self.robot, build(recipe, asked.map))
         known = Trial(map=asked.map, level=asked.level, crossed=None, duration=duration)
         return self.driven(recipe, duration, known)
@@ -101,7 +101,7 @@ class Driven(Judge):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class InMujoco(Driven):
-    """Drives in the embedded simulator, each that of `rsegen drive` over the same map, bit by bit."""
+    """Drives in the embedded simulator, each the same as `rsegen drive` over that map, bit by bit."""
 
     motors: str | None
 
@@ -123,14 +123,14 @@ class InMujoco(Driven):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class InGazebo(Driven):
-    """Drives in a Gazebo server, one for each."""
+    """Drives in Gazebo, each in a server of its own."""
 
     def driven(self, recipe: Recipe, duration: float, known: Trial) -> Trial:
         """Return a trial with what the drive over its map showed."""
-        field = recipe.alone(known.map)
+        # Neither contacts nor a prediction decides a trial, and both take time; a straight route draws nothing.
         try:
             result = drive(
-                field,
+                recipe.alone(known.map),
                 robot=self.robot,
                 simulator=self.name,
                 duration=duration,
@@ -152,12 +152,12 @@ class InGazebo(Driven):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Predicted(Judge):
-    """Predictions of the lane on which the drives start."""
+    """Predictions, by poses, of the lane on which the drives start."""
 
     robot: DrivableRobot
 
     def trial(self, recipe: Recipe, asked: Asked) -> Trial:
-        """Return the trial that the prediction is."""
+        """Return the trial of a prediction."""
         field, body = compose(recipe, asked.map).field, self.robot.body
         lane = straight(field, body, 0, np.array([adjacent_pose(field, body).y]))
         return Trial(map=asked.map, level=asked.level, crossed=bool(lane.passed[0]))
@@ -170,41 +170,41 @@ class ByFunction(Judge):
     crosses: Crosses
 
     def trial(self, recipe: Recipe, asked: Asked) -> Trial:
-        """Return the trial that the function makes; its seed is that of the recipe and the index."""
-        said = self.crosses(compose(recipe, asked.map).field, (recipe.seed + asked.map) % SEEDS)
-        if not isinstance(said, bool | np.bool_):
-            raise ParameterError("robot", f"{_name(self.crosses)} returned {shown(said)}; a function returns a bool")
-        return Trial(map=asked.map, level=asked.level, crossed=bool(said))
+        """Return the trial of the function; its seed is the recipe's plus the index."""
+        crossed = self.crosses(compose(recipe, asked.map).field, (recipe.seed + asked.map) % SEEDS)
+        if not isinstance(crossed, bool | np.bool_):
+            raise ParameterError("robot", f"{_name(self.crosses)} returned {shown(crossed)}; a function returns a bool")
+        return Trial(map=asked.map, level=asked.level, crossed=bool(crossed))
 
 
 def trials(judge: Judge, axis: Axis, recipe: Recipe, several: Sequence[Asked]) -> list[Trial]:
-    """Return some trials, as a worker makes them."""
+    """Return several trials: the work of a worker."""
     return [judge.trial(axis.recipe_at(recipe, asked.level), asked) for asked in several]
 
 
 _TIMES = 3
-"""A drive takes at most as many times as long as on level ground: hardly any that crossed took more than twice."""
+"""Longest duration of a drive, in times of that on level ground: hardly any that crossed took more than twice."""
 
 
 def usual_duration(robot: DrivableRobot, field: StepField) -> float:
-    """Return how long a drive across a field takes at most, whole seconds."""
+    """Return the usual longest duration of a drive across a field, whole seconds."""
     way = finish_x(field, robot) - adjacent_pose(field, robot.body_or_box).x
     return float(ceil(_TIMES * way / robot.driving_speed))
 
 
 def judge_of(by: str, robot: DrivableRobot, motors: str | None, duration: float | None) -> Judge:
-    """Return a judge of a robot by its name; a NoSimulator if that is not installed."""
+    """Return a judge of a robot by its name; NoSimulator if its simulator is not installed."""
     if by == "mujoco":
         title = f"{required_simulator('ratings need')}, motors as {motors or MOTORS[0]}"
         return InMujoco(name=by, title=title, cost=DRIVE_SECONDS, robot=robot, duration=duration, motors=motors)
     if by == "prediction":
         return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)
-    here = choose_installation("both", by)
-    return InGazebo(name=by, title=str(here), cost=5.0, robot=robot, duration=duration)
+    title = str(choose_installation("both", by))
+    return InGazebo(name=by, title=title, cost=5.0, robot=robot, duration=duration)
 
 
 def judge_by(crosses: Crosses) -> Judge:
-    """Return the judge that a function is."""
+    """Return the judge that calls a function."""
     return ByFunction(name="function", title=_name(crosses), cost=0.1, crosses=crosses)
 
 

@@ -1,9 +1,9 @@
 """A rating on a page: its curve while trials come in, and a drive of one of them.
 
-    folder of a rating --journal--> trials --rating--> points, curve and band, which a page draws
-    trial --drive_trial--> a job, which is `rsegen drive` over its field at its level --> a drive, which a page plays
+    folder of a rating --journal--> trials --rating--> points, curve and band, drawn by a page
+    trial --drive_trial--> a job: `rsegen drive` over its field at its level --> a drive, played by a page
 
-The folder is that of `rsegen rate`, which may still be at work; it may come from anybody.
+The folder may come from anybody, and `rsegen rate` may still write into it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.writing.journal import read_journal
 
 _POINTS = 61
-"""Points of a curve that is drawn while it changes."""
+"""Points of a curve: fewer than in a picture, as it is drawn again and again."""
 
 
 class RatedTrial(TypedDict):
@@ -64,7 +64,7 @@ class RatingSoFar(TypedDict):
 
 
 class _Begun(NamedTuple):
-    """Content of the journal of a rating; rated: None for what a shell cannot name, as a function."""
+    """Content of the journal of a rating; rated: None for a function, or a robot made in Python."""
 
     name: str
     rated: Rated | None
@@ -123,7 +123,7 @@ def drive_trial(host: Host, *, doc: str, path: str, judge: str, trial: int) -> J
 
 
 def _begun(folder: Path) -> _Begun:
-    """Return what the folder of a rating holds so far; a FileError if it holds none."""
+    """Return the content of the folder of a rating so far; a FileError if it has none."""
     journal = read_journal(folder)
     if journal is None or journal.holds != HOLDS:
         raise FileError(f"{folder}: contains no rating")
@@ -131,6 +131,7 @@ def _begun(folder: Path) -> _Begun:
         of: Any = journal.of
         axis, recipe = AXES[of["axis"]], decode(of["recipe"])
         curves = read_entries(folder, journal).items()
+        # A robot made in Python is known by its checksum alone (`Rated.described`), so nobody can drive it again.
         rated = None
         if of.get("robot") and not of["made"]:
             limits = {name: tuple(value) if isinstance(value, list) else value for name, value in of["limits"].items()}
@@ -147,7 +148,7 @@ def _begun(folder: Path) -> _Begun:
 
 
 def _drawn(curve: Curve, places: np.ndarray[Any, Any]) -> RatedCurve:
-    """Return a curve at some places of its axis."""
+    """Return a curve for the page, drawn at some places of its axis."""
     known = curve.posterior
     rows = zip(map(curve.axis.level, places), known.expected(places), *known.band(places), strict=True)
     return {

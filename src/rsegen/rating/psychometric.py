@@ -18,8 +18,8 @@ come. So they do not depend on who makes them, or how many at a time.
 
 Priors: middles even over the axis and a factor of 3 beyond it; spreads log-normal around 0.2; lapses up to 8 %, small
 ones more likely. Cost: some 10 ms for a batch of eight trials. What breaks it: outcomes that depend on each other, as
-of one field; a mixture of kinds of fields, whose curve has steps; more lapses than 8 %; spreads below those of the
-grid, whose level of 80 % comes out too low.
+on one field; a mixture of kinds of fields, whose curve has steps; more lapses than 8 %; spreads below the least of the
+grid, for which the level of 80 % comes out too low.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ LAPSES = np.array([0.0, 0.01, 0.02, 0.04, 0.08])
 _LAPSE_WEIGHTS = np.array([0.35, 0.25, 0.2, 0.13, 0.07])
 
 _SPREAD_WEIGHTS = np.exp(-((np.log(SPREADS / 0.2) / 0.9) ** 2) / 2)
-"""Prior of the spreads, log-normal. With an even one, a few trials that happen to fall in order make a curve look like
-a step and a rating end early: of intervals that end a rating then, only 85 % held the truth."""
+"""Prior of the spreads, log-normal. With an even prior, a few trials that happen to be in order make a curve look like
+a step and a rating end early: only 85 % of the intervals that ended such a rating held the truth."""
 
 _BEYOND = log(3)
 """Largest distance of a middle from the levels of an axis: farther away, these levels show no difference."""
 
 _COARSE, _FINE = 0.04, 81
-"""Distance of the middles of the coarse grid, and number of those of the fine one."""
+"""Distance between middles of the coarse grid, and number of middles of the fine one."""
 
 _LEFT_OUT = 1e-6
 """Share of the posterior that the fine grid may leave out at either end."""
@@ -113,7 +113,8 @@ class Posterior:
 
 def posterior(u: Sequence[float] | Array, crossed: Sequence[bool] | Mask, low: float, high: float) -> Posterior:
     """Return the posterior after trials at some u; low, high: the ends of the axis."""
-    # Trials at one place count together: there are far fewer places than trials.
+    # Trials at one place count together, as there are far fewer places than trials. First the coarse grid, then the
+    # fine one over the middles that have all but `_LEFT_OUT` of the posterior at either end.
     places, which = np.unique(np.asarray(u, float), return_inverse=True)
     crossings = np.bincount(which, np.asarray(crossed, float), len(places)).astype(float)
     misses = np.bincount(which, minlength=len(places)).astype(float) - crossings
@@ -128,14 +129,13 @@ def posterior(u: Sequence[float] | Array, crossed: Sequence[bool] | Mask, low: f
 
 def _weights(u: Array, crossings: Array, misses: Array, middles: Array) -> Array:
     shares = _shares(u, middles)
-    with np.errstate(divide="ignore"):  # no lapse and no chance: an outcome that is impossible, if it did not happen
-        logarithms = np.tensordot(crossings, np.log(shares), 1) + np.tensordot(misses, np.log1p(-shares), 1)
+    logarithms = np.tensordot(crossings, np.log(shares), 1) + np.tensordot(misses, np.log1p(-shares), 1)
     weights = np.exp(logarithms - logarithms.max()) * _SPREAD_WEIGHTS[:, None] * _LAPSE_WEIGHTS
     return np.asarray(weights / weights.sum())
 
 
 _LEAST = 1e-9
-"""Least share that is not crossed, and that is: what is never, or always, crossed on paper is not so in fact."""
+"""Least share that is crossed, and that is not: no single trial may rule a curve out."""
 
 
 def _shares(u: Array, middles: Array) -> Array:
@@ -153,14 +153,15 @@ def _quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
 
 def next_places(known: Posterior, candidates: Array, count: int, rng: Generator) -> list[float]:
     """Return the u of the next `count` trials, chosen among some candidates in rising order, (n,)."""
-    # Only where the outcome is open is anything to be learned.
+    # Something can be learned only where the outcome is open.
     reach = _FAR * np.exp(known.weights.sum((0, 2)) @ np.log(SPREADS))
     near = candidates[(candidates > known.middles[0] - reach) & (candidates < known.middles[-1] + reach)]
     near = near if len(near) else candidates
     near = near[:: -(-len(near) // _CANDIDATES)]
     shares, weights, chosen = known.shares(near), known.weights, []
     for _ in range(count):
-        best = int(np.argmax(np.round(_information(shares, weights), 9)))  # rounded: the first of equals anywhere
+        best = int(np.argmax(np.round(_information(shares, weights), 9)))  # rounded: the same one on every machine
+        # As if that trial had ended, by chance as likely as now known: else all of a batch would be at one place.
         likely = shares[best] if rng.random() < float((shares[best] * weights).sum()) else 1 - shares[best]
         weights = weights * likely
         weights = weights / weights.sum()

@@ -1,4 +1,4 @@
-"""`rsegen.rate` from its parameters to its result: the fields, the robot, its judges, and the folder."""
+"""Ratings from the parameters of `rsegen.rate` to its result: the fields, the robot, its judges, and the folder."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Rated:
         return callable(self.robot)
 
     def model(self) -> DrivableRobot:
-        """Return the robot."""
+        """Return the robot; not for a function."""
         limits = {name: value for name, value in self.limits.items() if name not in ("wheels", "tracks")}
         return drivable(self.robot, self.limits["wheels"], self.limits["tracks"], **limits)  # type: ignore[arg-type]  # no function
 
@@ -84,8 +84,8 @@ class Rated:
         return [judge_of(name, model, self.motors, self.duration) for name in dict.fromkeys(names)]
 
     def _refuse_for_function(self, names: Sequence[str]) -> None:
-        given = {**self.limits, "motors": self.motors, "duration": self.duration}
-        for name, value in given.items():
+        of_robots = {**self.limits, "motors": self.motors, "duration": self.duration}
+        for name, value in of_robots.items():
             if value is not None:
                 raise ParameterError(name, "is for a robot, not for a function that says whether it gets across")
         if tuple(names) != ("mujoco",):
@@ -93,18 +93,18 @@ class Rated:
 
     @property
     def is_registered(self) -> bool:
-        """Return whether a shell can name it: a kind of robot or a file, but no robot that was made in Python."""
+        """Return whether a shell can name the robot: a kind or a file, not a robot made in Python."""
         return isinstance(self.robot, str | os.PathLike) or any(self.robot is known for known in ROBOTS.values())
 
     @property
     def source(self) -> Source | None:
-        """The plug-in of the robot; None if it is of none."""
+        """The plug-in that the robot comes from; None without one."""
         if self.is_function or not self.is_registered:
             return None
         return ROBOTS.source(str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind)
 
     def replay(self, folder: Path | None = None) -> tuple[str, ...]:
-        """Return what `rsegen drive` in a folder needs to know of the robot; empty if a shell cannot name it."""
+        """Return the flags of the robot for `rsegen drive` in a folder; empty if a shell cannot name it."""
         if not self.is_registered:
             return ()
         words = [_from(folder, str(self.robot)) if isinstance(self.robot, str | os.PathLike) else self.model().kind]
@@ -114,7 +114,7 @@ class Rated:
         return ("--robot", *words)
 
     def described(self) -> dict[str, Json]:
-        """Return what decides its trials, for the journal; a file by its checksum, as it may be changed."""
+        """Return all that decides the robot's trials, for the journal; a file by its checksum, as it may change."""
         if callable(self.robot):
             return {"function": judge_by(self.robot).title}
         is_file = isinstance(self.robot, str | os.PathLike) and is_robot_file(self.robot)
@@ -130,7 +130,7 @@ class Rated:
 
 
 def _from(folder: Path | None, robot: str) -> str:
-    """Return a kind of robot, or the file of one with its arguments, as it is named in a folder."""
+    """Return a kind of robot, or its file with arguments, by its path from a folder."""
     if folder is None or not is_robot_file(robot):
         return robot
     file, _ = with_arguments(robot)
@@ -152,11 +152,13 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
     target: Target,
 ) -> Rating:
     """Return the rating of a robot on the fields of a recipe; see `rsegen.rate`."""
+    # A trial is on the map of its number, so the recipe's own choice of maps is left out.
     axis, recipe = AXES[axis_name], replace(recipe, maps=1, first_map=0)
     refuse_unusable(axis, recipe)
     refuse_too_large(recipe)
     judges = rated.judges(by)
     plan = RatingPlan(recipe=recipe, axis=axis, trials=trials, precision=precision)
+    # The folder is continued only if all of this is the same; precision and trials may differ, to narrow an interval.
     plugins = plugin_identities([recipe], [rated.source])
     content = {**rated.described(), **plugins, "axis": axis.name, "recipe": encode(recipe)}
     of: Json = json.loads(json.dumps(content))
@@ -213,7 +215,7 @@ def _trials(count: int) -> str:
 
 
 def _notes(recipe: Recipe, curves: Sequence[Curve]) -> list[str]:
-    """Return what a reader should know about the fields, and about a curve that is not precise."""
+    """Return notes on the fields, and on a curve without a level at which half are crossed."""
     notes = []
     if _are_alike(recipe):
         notes.append("all fields of this recipe are equal, so the interval only shows how finely levels were tried")
@@ -223,7 +225,7 @@ def _notes(recipe: Recipe, curves: Sequence[Curve]) -> list[str]:
 
 
 def _are_alike(recipe: Recipe) -> bool:
-    """Return whether the fields of a recipe are all the same one, as nothing in it is random."""
+    """Return whether all fields of a recipe are equal, as nothing in it is random."""
     first = build(recipe, 0).levels
     return all(np.array_equal(first, build(recipe, index).levels) for index in range(1, _COMPARED))
 

@@ -3,7 +3,7 @@
 rating.json     curves with their intervals, and each trial with the command that drives it again
 trials.csv      the same trials as a table
 rating.png      shares that were crossed, with the number of trials, and the curves with their bands
-recipe.json     the fields: that of a trial is the map of its index, at its level
+recipe.json     the fields: the field of a trial is the map of its index, at its level
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ HALF, MOST = 0.5, 0.8
 """Shares of fields whose levels are reported. 80 % is the reliability that standard tests of robots ask for."""
 
 _SURE = 0.975
-"""Probability from which on a level is said to be beyond the end of the axis, as one end of a 95 % interval is."""
+"""Probability from which on a level is beyond the end of the axis: that of one end of a 95 % interval."""
 
 
 class Estimate(NamedTuple):
@@ -98,14 +98,14 @@ class Curve:
     def precision(self) -> float:
         """Half the width of the interval of `half`, as a factor less 1: 0.1 for a factor of 1.1 up and down.
 
-        Half itself is near the middle of the interval, but seldom just there.
+        The level of half is near the middle of the interval, but seldom exactly there.
         """
         _, low, high = self.posterior.at_share(HALF)
         return exp((high - low) / 2) - 1
 
     @property
     def outside(self) -> str:
-        """The reason why no level at which half are crossed exists: `easy` or `hard` if all levels are, else empty."""
+        """Reason why half is crossed at no level of the axis: `easy` or `hard`, as all levels are; else empty."""
         first, last = self.axis.ends
         if self.posterior.below(HALF, last) < 1 - _SURE:
             return "easy"
@@ -117,10 +117,10 @@ class Curve:
         return sum(bool(trial.crossed) for trial in self.trials)
 
     def counts(self) -> Iterator[tuple[float, int, int]]:
-        """Yield the levels that were tried, rising, with the trials that crossed and those that have a result."""
+        """Yield each level, rising, with the number of trials that crossed, and of trials with a result."""
         for level in sorted({trial.level for trial in self.trials}):
-            here = [trial.crossed for trial in self.trials if trial.level == level and trial.crossed is not None]
-            yield level, sum(here), len(here)
+            crossed = [trial.crossed for trial in self.trials if trial.level == level and trial.crossed is not None]
+            yield level, sum(crossed), len(crossed)
 
     def sentence(self, what: str, robot: str) -> str:
         """Return the result in words; what: the fields."""
@@ -149,9 +149,9 @@ class Rating(Reported):
     curves : tuple of Curve
         One for each judge.
     replay : tuple of str
-        What `rsegen drive` needs besides the field to drive a trial again; empty if it cannot.
+        Flags of `rsegen drive`, besides the field, to drive a trial again; empty if it cannot.
     notes : tuple of str
-        What a reader should know.
+        Warnings about the fields and curves, a sentence each.
     """
 
     recipe: Recipe
@@ -258,7 +258,7 @@ _POINTS = 161
 """Points of a curve in a plot."""
 
 _PER_POINT = 0.09
-"""Width of the levels that are one point of a plot, as a logarithm: close enough for a curve, with trials enough."""
+"""Width of the levels that are one point of a plot, as a logarithm: narrow, and still with some trials."""
 
 
 def plot(rating: Rating) -> bytes:
@@ -267,6 +267,7 @@ def plot(rating: Rating) -> bytes:
     axes, axis = figure.subplots(), rating.axis
     places = np.linspace(*shown_places(rating.curves), _POINTS)
     levels = [axis.level(place) for place in places]
+    # For each judge the band and curve, the tried levels, and the intervals of half and 80 % as thick bars.
     for colour, curve in zip(_COLOURS, rating.curves, strict=False):
         known = curve.posterior
         low, high = known.band(places)
@@ -301,13 +302,14 @@ def _label(curve: Curve) -> str:
 
 
 def axis_label(axis: Axis) -> str:
-    """Return what the levels of an axis are, as the axis of a plot says it."""
+    """Return the label of an axis in a plot."""
     unit = {"unit": "unit [cm]", "block_width": "width of a block [cm]", "slope": "slope [degrees]"}
     return f"{unit.get(axis.name, axis.name)}, harder to the right"
 
 
 def shown_places(curves: Sequence[Curve]) -> tuple[float, float]:
     """Return the ends of a plot: from where nearly all fields are crossed to where hardly any is, on every curve."""
+    # With all levels tried more than once, and all intervals that are drawn, but nothing beyond the axis.
     axis = curves[0].axis
     ends = [curve.posterior.at_share(share)[0] for curve in curves for share in (0.9, 0.03)]
     ends += [axis.place(level) for curve in curves for level, _, count in points_of(curve) if count > 1]
@@ -318,7 +320,7 @@ def shown_places(curves: Sequence[Curve]) -> tuple[float, float]:
 
 
 def points_of(curve: Curve) -> Iterator[tuple[float, int, int]]:
-    """Yield the mean level of trials that are near to each other, how many crossed, and how many have a result."""
+    """Yield the mean level of neighbouring trials, the number that crossed, and the number with a result."""
     bins: dict[int, list[tuple[float, int, int]]] = {}
     for level, crossed, count in curve.counts():
         if count:

@@ -1,10 +1,9 @@
-"""A reliability test as standards have it: a number of repetitions, and how many of them may fail.
+"""A reliability test as in standards for robots: a number of repetitions, and how many of them may fail.
 
 A robot that crosses with probability R fails in k of n independent repetitions with binomial probability. The test has
 confidence C if a robot of the reliability R, or a worse one, passes with a probability of 1 - C at most, which
-sets the number of failures allowed. After the test, the reliability that is shown is the lower end of the one-sided
-interval of Clopper and Pearson (Biometrika 26, 1934). What breaks it: repetitions that are not independent, as on
-one field.
+sets the number of failures allowed. The reliability that a test shows is the lower end of the one-sided interval of
+Clopper and Pearson (Biometrika 26, 1934). What breaks it: repetitions that are not independent, as on one field.
 """
 
 from __future__ import annotations
@@ -22,14 +21,13 @@ from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.codec import to_json
 from rsegen.writing.store import write_folder
 
-SHARE = Float(0, 1)
-REPETITIONS = Integer(1, 100_000)
+_SHARE, _REPETITIONS = Float(0, 1), Integer(1, 100_000)
 
 _ROUNDING = 1e-12
-"""Share by which a probability that is just the allowed one may come out above it: decimals are no binary numbers."""
+"""Relative error by which a probability may exceed the allowed one and still count as equal: 0.1 has no exact float."""
 
 _HALVINGS = 60
-"""Halvings of an interval of shares: to the last digit of a float."""
+"""Halvings of the interval 0..1: down to the last digit of a float."""
 
 
 def failures_allowed(reliability: float, confidence: float, repetitions: int) -> int | None:
@@ -38,9 +36,9 @@ def failures_allowed(reliability: float, confidence: float, repetitions: int) ->
     Parameters
     ----------
     reliability : float
-        The share of successes that is to be shown.
+        The share of successes to be shown.
     confidence : float
-        The probability with which a robot that is no better than that is not passed.
+        The probability that a robot no better than this fails the test.
     repetitions : int
         Repetitions of the test.
 
@@ -52,10 +50,11 @@ def failures_allowed(reliability: float, confidence: float, repetitions: int) ->
     Raises
     ------
     ParameterError
-        For a value that cannot be.
+        If a value is outside its bounds.
     """
-    share, sure = SHARE.check("reliability", reliability), SHARE.check("confidence", confidence)
-    count = REPETITIONS.check("repetitions", repetitions)
+    share, sure = _SHARE.check("reliability", reliability), _SHARE.check("confidence", confidence)
+    count = _REPETITIONS.check("repetitions", repetitions)
+    # The probability that a robot of just this reliability passes, as more and more failures are allowed.
     passed, allowed = 0.0, None
     for failures in range(count + 1):
         passed += _binomial(count, failures, 1 - share)
@@ -69,6 +68,7 @@ def shown_reliability(failures: int, repetitions: int, confidence: float) -> flo
     """Return the reliability that some failures show, with a confidence: the lower end of Clopper and Pearson."""
     if failures >= repetitions:
         return 0.0
+    # By bisection: the reliability with which so few failures have the probability 1 - confidence.
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
@@ -100,9 +100,9 @@ class ReliabilityTest(Reported):
     drives : ManyDrives
         One for each repetition.
     reliability : float
-        The share of successes that is to be shown.
+        The share of successes to be shown.
     confidence : float
-        With which confidence.
+        The confidence with which it is to be shown.
     """
 
     drives: ManyDrives

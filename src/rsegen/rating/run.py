@@ -3,8 +3,8 @@
     trials so far --posterior--> next levels --judge, on all cores--> outcomes --journal--> trials so far
 
 The size of a batch depends on the number of trials alone, and its levels on the trials before it. So a rating is the
-same wherever its trials are made, and one that was stopped goes on as if it had not been. Cost: that of the trials; as
-the last of a batch is waited for, workers rest a little. What breaks it: a simulator that does not repeat itself.
+same wherever its trials are made, and a stopped one continues as if it had not been stopped. Cost: its trials; while
+the last trial of a batch runs, other workers wait. What breaks it: a simulator that does not repeat itself.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from rsegen.writing.journal import Journal
 from rsegen.writing.store import Store, continued
 
 _BATCH, _MOST_IN_BATCH, _SHARE = 8, 64, 8
-"""Trials of a batch: at least, at most, and one per `_SHARE` trials before it. As they are chosen with nothing known of
-each other, there are few at first, when each tells much; more later, for machines of many cores."""
+"""Trials of a batch: at least, at most, and one per `_SHARE` trials before it. They are chosen without each other's
+outcomes, so they are few at first, when each outcome tells much, and more later, for machines of many cores."""
 
 _LEAST = 48
 """Trials of a rating at least: a third of them find where the curve is, and after fewer an interval that is too narrow
@@ -42,7 +42,7 @@ _MOST = 2000
 """Trials of a rating at most, if it ends by its precision: a curve that is nearly level takes for ever."""
 
 Progress = Callable[[int, float], None]
-"""Called with the number of trials that are done, and about which share of all that is."""
+"""Called with the number of finished trials, and an estimate of their share of all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,7 +63,7 @@ def batch_size(done: int) -> int:
     return min(max(_BATCH, done // _SHARE), _MOST_IN_BATCH)
 
 
-def make_curve(  # the last three are where it runs
+def make_curve(
     plan: RatingPlan,
     judge: Judge,
     begun: Sequence[Trial],
@@ -71,10 +71,11 @@ def make_curve(  # the last three are where it runs
     keep: Callable[[Trial], None],
     progress: Progress,
 ) -> Curve:
-    """Return the curve of a judge, of the trials that have begun it and new ones; `keep` is called with each of these.
+    """Return the curve of a judge from earlier trials and new ones; `keep` is called with each new trial.
 
     UserError if no trial of the first batch has a result.
     """
+    # `first` is where the batch begins that is not complete: its trials were chosen from those before it alone.
     done, first = list(begun), 0
     while first + batch_size(first) <= len(done):
         first += batch_size(first)
@@ -100,12 +101,12 @@ def _curve(plan: RatingPlan, judge: Judge, done: Sequence[Trial]) -> Curve:
 
 
 def _is_precise(plan: RatingPlan, known: Curve) -> bool:
-    """Return whether no more trials are wanted."""
+    """Return whether a rating by its precision ends with these trials."""
     return len(known.trials) >= _LEAST and (known.precision <= plan.precision or bool(known.outside))
 
 
 def _expected(plan: RatingPlan, known: Curve) -> float:
-    """Return about how many trials a rating takes: its interval narrows with the root of their number."""
+    """Return an estimate of the trials that a rating takes: its interval narrows with the root of their number."""
     so_far = len(known.trials)
     if plan.trials is not None:
         return plan.trials
@@ -113,11 +114,11 @@ def _expected(plan: RatingPlan, known: Curve) -> float:
 
 
 def _batch(plan: RatingPlan, known: Curve) -> list[Asked]:
-    """Return the trials of the batch that comes after those of a curve."""
+    """Return the trials of the batch that follows the trials of a curve."""
     first = len(known.trials)
     rng = generator(plan.recipe.seed, first, "next trials of a rating")
     places = next_places(known.posterior, plan.axis.candidates, batch_size(first), rng)
-    asked = [Asked(first + number, plan.axis.tried(place)) for number, place in enumerate(places)]
+    asked = [Asked(first + offset, plan.axis.tried(place)) for offset, place in enumerate(places)]
     return asked if plan.trials is None else asked[: plan.trials - first]
 
 
@@ -125,13 +126,13 @@ def _batch(plan: RatingPlan, known: Curve) -> list[Asked]:
 
 
 def opened(folder: Path, of: Json, *, force: bool) -> AbstractContextManager[Store]:
-    """Open the folder of a rating, which may have begun, or what replaces it; an OutputError if that may not be."""
-    other = "another rating; use another folder, or force=True, or the seed, options and plug-ins of that one"
-    return continued(folder, HOLDS, of, FILES, force=force, other=other)
+    """Open the folder of a new or begun rating, or with force of its replacement; OutputError if it has other files."""
+    problem = "another rating; use another folder, or force=True, or the seed, options and plug-ins of that one"
+    return continued(folder, HOLDS, of, FILES, force=force, other=problem)
 
 
 def entry(judge: Judge, trial: Trial) -> dict[str, Json]:
-    """Return a trial as the journal has it: with the title of its judge, as another version may judge otherwise."""
+    """Return the journal's entry of a trial, with the title of its judge, as another version may judge otherwise."""
     return {"judge": judge.title, **asdict(trial)}
 
 
@@ -150,9 +151,9 @@ _OPTIONAL = {"crossed", "seconds", "x", "tipped", "duration"}
 
 
 def read_entries(folder: Path, journal: Journal | None) -> dict[str, list[Trial]]:
-    """Return the trials in a folder's journal by the titles of their judges; FileError for one that was changed."""
+    """Return the trials in a folder's journal by the titles of their judges; FileError if an entry was changed."""
     begun: dict[str, list[Trial]] = {}
-    for number, result in enumerate(journal.results if journal else (), 1):
+    for line, result in enumerate(journal.results if journal else (), 1):
         try:
             refuse_unknown("key", result, _SORTS)
             values: dict[str, Any] = {
@@ -164,6 +165,6 @@ def read_entries(folder: Path, journal: Journal | None) -> dict[str, list[Trial]
                 raise ParameterError("map", f"{values['map']} is not {len(known)}, the next one")
         except ParameterError as error:
             advice = "use another folder, or force=True"
-            raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
+            raise FileError(f"{folder / JOURNAL}: result {line}: {error}; {advice}") from None
         known.append(Trial(**values))
     return begun

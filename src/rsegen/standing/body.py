@@ -43,7 +43,7 @@ two directions to them is as large as that, radians; at a straight edge it is pi
 their samples then, and rest where they did (tests/standing/test_fine_meshes.py)."""
 
 _PLACES = 8
-"""Places of a box per row up to which rows are numbered by their places: an array of all places is not much larger."""
+"""Possible rows per row up to which rows are numbered by their place among all possible ones, in an array of those."""
 
 _ROWS = 256
 """Samples whose distances to all others are measured together: ten megabytes."""
@@ -57,9 +57,9 @@ _HIDES_NOTHING = ("mesh", "ellipsoid")
 
 
 class SurfaceSamples(NamedTuple):
-    """Points (n, 3) of a solid's surface with their normals (n, 3), and how far inside it any point is, metres.
+    """Points (n, 3) of a solid's surface, metres, in its own frame, with their outward normals (n, 3).
 
-    depth: from (n, 3) in the solid's frame to (n,); rim: which points are on the edge of a flat face, with a wall above
+    rim: which points are on the edge of a flat face, with a wall above; size, kind: the solid, by which `depth` goes
     """
 
     points: Array
@@ -84,9 +84,9 @@ def sampled_box(size: Sequence[float], distance: float) -> SurfaceSamples:
     """Return the samples of a box along the axes; sides in metres."""
     half, points, normals, rim = np.array(size) / 2, [], [], []
     for axis in range(3):
-        first, second = (other for other in range(3) if other != axis)
+        first, second = (index for index in range(3) if index != axis)
         along = np.meshgrid(
-            *(_grid(-half[other], half[other], _FLAT * distance) for other in (first, second)), indexing="ij"
+            *(_grid(-half[index], half[index], _FLAT * distance) for index in (first, second)), indexing="ij"
         )
         for side in (-1, 1):
             face = np.zeros((along[0].size, 3))
@@ -95,6 +95,7 @@ def sampled_box(size: Sequence[float], distance: float) -> SurfaceSamples:
             normal[:, axis] = side
             points.append(face)
             normals.append(normal)
+            # Its edges at the front and the rear: above them is an upright face, which may hit a block (lanes.py).
             rim.append((half[0] - np.abs(face[:, 0]) < 1e-6) & (axis != 0))
     return SurfaceSamples(np.concatenate(points), np.concatenate(normals), np.concatenate(rim), tuple(size), "box")
 
@@ -249,6 +250,7 @@ def body_of_shapes(
     shapes: Iterable[Shape], *, mass: float, centre: Array, speed: float, distance: float, where: str
 ) -> Body:
     """Return the body of collision shapes; ParameterError if nothing of them looks down."""
+    # The samples that look down; of these the lowest ones, outside of all other solids; of meshes as few as of boxes.
     shapes = list(shapes)
     points, normals, part, rim, placed_points = [], [], [], [], []
     for index, (_, solid, pose) in enumerate(shapes):
@@ -272,17 +274,17 @@ def body_of_shapes(
         depth = solid.depth((every - pose[:3, 3]) @ pose[:3, :3])
         inside |= (depth > 2e-4) & (of_part != index)
         covered |= (depth > -2e-3) & (of_part != index)  # the edge of a belt's box is the belt's round end
-    kept = np.flatnonzero(~inside)
-    is_mesh = np.array([solid.kind == "mesh" for _, solid, _ in shapes])[of_part[kept]]
-    of_mesh = kept[is_mesh]
+    outside = np.flatnonzero(~inside)
+    is_mesh = np.array([solid.kind == "mesh" for _, solid, _ in shapes])[of_part[outside]]
+    of_mesh = outside[is_mesh]
     thinned = _thinned(every[of_mesh] - centre, normal[of_mesh], of_part[of_mesh], distance)
-    kept = np.sort(np.append(kept[~is_mesh], of_mesh[thinned]))
+    chosen = np.sort(np.append(outside[~is_mesh], of_mesh[thinned]))
     return Body(
-        points=every[kept],
-        normals=normal[kept],
-        groups=_groups(every[kept]),
-        part=of_part[kept],
-        rim=(np.concatenate(rim)[seen] & ~covered)[kept],
+        points=every[chosen],
+        normals=normal[chosen],
+        groups=_groups(every[chosen]),
+        part=of_part[chosen],
+        rim=(np.concatenate(rim)[seen] & ~covered)[chosen],
         parts=tuple(part for part, _, _ in shapes),
         mass=mass,
         centre=centre,
@@ -300,9 +302,11 @@ def _groups(points: Array) -> Ints:
             return [own]
         across = np.ptp(points[own], axis=0).argmax()
         own = own[np.argsort(points[own, across], kind="stable")]
+        # The first half is of whole groups, so only the very last group may be short.
         middle = -(-len(own) // (2 * _NEIGHBOURS)) * _NEIGHBOURS
         return halves(own[:middle]) + halves(own[middle:])
 
+    # That one is filled up with the first samples, once more: `resize` begins anew.
     order = np.concatenate(halves(np.arange(len(points))))
     return np.resize(order, (-(-len(order) // _NEIGHBOURS), _NEIGHBOURS))
 
@@ -310,56 +314,59 @@ def _groups(points: Array) -> Ints:
 def _thinned(points: Array, normals: Array, part: Ints, distance: float) -> Ints:
     """Return one sample of each part in each cube with sides of a distance, and fewer inside of flat faces.
 
-    Of the lowest ones it is that whose normal looks down the most, of these that farthest from the middle. Makers'
-    meshes are fine where they are round or have screws, and at a corner each triangle has a sample with its own normal.
+    Of the lowest samples in a cube the one that looks down the most stays, of equal ones the farthest from the middle.
+    Makers' meshes are fine where they are round or have screws, and at a corner each triangle has a sample with its own
+    normal.
     """
     cube = np.column_stack([np.floor(points / distance).astype(np.int64), part])
     low, in_cube = np.round(points[:, 2] / _EVEN), _numbered(cube)
     lowest = np.full(in_cube.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, in_cube, low)
-    kept = np.flatnonzero(low == lowest[in_cube])  # of millions of samples few are the lowest ones
-    far = np.hypot(points[kept, 0], points[kept, 1])
-    order = np.lexsort((-far, np.round(normals[kept, 2], 1), in_cube[kept]))
-    _, first = np.unique(in_cube[kept][order], return_index=True)
-    kept = kept[order[first]]
+    own = np.flatnonzero(low == lowest[in_cube])  # of millions of samples few are the lowest ones
+    far = np.hypot(points[own, 0], points[own, 1])
+    order = np.lexsort((-far, np.round(normals[own, 2], 1), in_cube[own]))
+    _, first = np.unique(in_cube[own][order], return_index=True)
+    own = own[order[first]]
     # Inside of a flat face the corner of a block is met as well by one sample in three along each side.
-    flat = _inside_faces(points[kept], normals[kept], part[kept], _NEAR * distance)
-    inner = kept[flat]
+    flat = _inside_faces(points[own], normals[own], part[own], _NEAR * distance)
+    inner = own[flat]
     wide = points[inner] / (_FLAT * distance)
-    middle = np.abs(wide - np.floor(wide) - 0.5).sum(axis=1)
-    order = np.argsort(middle, kind="stable")
+    # Of those in a wider cube the one nearest to its middle stays, so that they are evenly spread.
+    off_middle = np.abs(wide - np.floor(wide) - 0.5).sum(axis=1)
+    order = np.argsort(off_middle, kind="stable")
     faces = np.column_stack([np.floor(wide), np.round(normals[inner]), part[inner]])
     _, first = np.unique(faces[order], axis=0, return_index=True)
-    return np.append(kept[~flat], inner[order[first]])
+    return np.append(own[~flat], inner[order[first]])
 
 
 def _numbered(rows: Ints) -> Ints:
     """Return a number for each row (n, k), (n,): equal for equal rows, and in lexicographic order.
 
-    As `np.unique(rows, axis=0, return_inverse=True)` does, which takes ten times as long for millions of rows, but not
-    without gaps: of rows in a box with few places it is the number of the place.
+    `np.unique(rows, axis=0, return_inverse=True)` takes ten times as long for millions of rows. Its numbers have no
+    gaps, these may: rows in a small box are numbered by their place in it.
     """
     if len(rows):
         low, sides = rows.min(axis=0), np.ptp(rows, axis=0) + 1
         if np.prod(sides.astype(float)) <= _PLACES * len(rows):
             return np.asarray(np.ravel_multi_index(tuple((rows - low).T), tuple(sides)))
-    number = np.zeros(len(rows), np.int64)
+    # Column by column: the number so far and the rank in the next column are one number, which is made small again.
+    ranks = np.zeros(len(rows), np.int64)
     for column in rows.T:
-        _, value = np.unique(column, return_inverse=True)
-        _, number = np.unique(number * (value.max(initial=0) + 1) + value, return_inverse=True)
-    return number
+        _, rank = np.unique(column, return_inverse=True)
+        _, ranks = np.unique(ranks * (rank.max(initial=0) + 1) + rank, return_inverse=True)
+    return ranks
 
 
 def _inside_faces(points: Array, normals: Array, part: Ints, near: float) -> Mask:
     """Return which samples have near ones of their part in their plane on all sides, (n,); near: metres."""
     inside = np.zeros(len(points), bool)
-    for own in (np.flatnonzero(part == number) for number in np.unique(part)):
+    for own in (np.flatnonzero(part == of_part) for of_part in np.unique(part)):
         for begin in range(0, len(own), _ROWS):
             rows = own[begin : begin + _ROWS]
             away = points[own] - points[rows, None]
             distance = np.linalg.norm(away, axis=2)
-            index, other = np.nonzero((distance < near) & (distance > 0))
-            away, normal = away[index, other], normals[rows[index]]
+            index, neighbour = np.nonzero((distance < near) & (distance > 0))
+            away, normal = away[index, neighbour], normals[rows[index]]
             in_plane = np.abs((away * normal).sum(axis=1)) <= _EVEN
             index, away, normal = index[in_plane], away[in_plane], normal[in_plane]
             inside[rows] = _largest_gaps(index, _directions_in_planes(away, normal), len(rows)) < _GAP
@@ -379,13 +386,14 @@ def _largest_gaps(index: Ints, angle: Array, count: int) -> Array:
     """Return the largest angle between neighbouring directions of each of `count` samples; index: whose each is."""
     order = np.lexsort((angle, index))
     index, angle = index[order], angle[order]
-    many = np.bincount(index, minlength=count)
-    end = np.cumsum(many)[many > 0]
+    per_sample = np.bincount(index, minlength=count)
+    end = np.cumsum(per_sample)[per_sample > 0]
+    # The last direction of each sample is followed by its first one, a full turn later.
     following = np.arange(1, len(index) + 1)
-    following[end - 1] = end - many[many > 0]
+    following[end - 1] = end - per_sample[per_sample > 0]
     gap = angle[following] - angle
     gap[end - 1] += 2 * pi
-    largest = np.where(many > 0, 0.0, 2 * pi)
+    largest = np.where(per_sample > 0, 0.0, 2 * pi)
     np.maximum.at(largest, index, gap)
     return np.asarray(largest)
 

@@ -28,31 +28,32 @@ turn a robot, and it comes back."""
 def careful(field: StepField, body: Body, room: float = 1.0) -> Body | None:
     """Return a robot with the least momentum and friction with which it drives over blocks of one unit.
 
-    With room to spare a lane is driven by that robot. It drives over a few blocks side by side, and over every other
-    one, as on a chessboard, where the robot does so with all it has. None if it does not even climb the former, or by
-    more momentum alone than it keeps when its wheels hit a block.
+    A lane has room to spare if that robot drives it. It still gets over a few blocks side by side, and over every other
+    one, as on a chessboard, if the robot does so at all. None if no such robot climbs blocks side by side, or only one
+    with more momentum than it keeps when its wheels hit a block.
 
-    room: how much room there is to be, as a share of what is usual; with none a robot has all its momentum and friction
+    room: share of the usual room to spare; with 0 the robot has all its momentum and friction
     """
     places = room_beside(body) * room * np.array([-1.0, 0.0, 1.0])
     most = max(_energy_left(body, field.unit), _CARE[0][0])
     robots = [_with_less(body, room, *shares) for shares in _CARE if shares[0] <= most]
 
     def first(ground: StepField) -> int | None:
-        passed = (number for number, robot in enumerate(robots) if straight(ground, robot, 0, places).passed.all())
+        passed = (index for index, robot in enumerate(robots) if straight(ground, robot, 0, places).passed.all())
         return next(passed, None)
 
     together = first(_small_field(field, body, is_rough=False))
     if together is None:
         return None
+    # Robots are in the order of less and less care. If none gets over the chessboard, blocks side by side decide alone.
     return robots[max(together, first(_small_field(field, body, is_rough=True)) or 0)]
 
 
 def _energy_left(body: Body, height: float) -> float:
     """Return the share of its kinetic energy that a robot keeps when its wheels hit an edge of some height, metres.
 
-    The hit is inelastic: a wheel of radius r turns about an edge of height h on, and of the velocity the part across
-    the line from the edge to its axle is left, (1 - h / r) v, the cosine of what its surface leans there.
+    The hit is inelastic: a wheel of radius r turns on about an edge of height h. Of its velocity the part across the
+    line from the edge to the axle is left, (1 - h / r) v; the factor is the downward part of the normal at that height.
     """
     ahead = body.drives & (body.normals[:, 0] > 0)
     above = body.points[:, 2] - body.low[2]
@@ -63,7 +64,7 @@ def _energy_left(body: Body, height: float) -> float:
 
 
 def _with_less(body: Body, room: float, *shares: float) -> Body:
-    """Return a robot with shares of its kinetic energy, and of its friction along and across; with less room, more."""
+    """Return a robot with shares of its kinetic energy, and of its friction along and across; larger for less room."""
     energy, along, across = (1 - room + room * share for share in shares)
     parts = tuple(
         part._replace(mu=part.mu * along, mu2=part.mu2 * across) if part.drives else part for part in body.parts
@@ -84,7 +85,7 @@ def room_beside(body: Body) -> float:
 
 
 def safely_passed(field: StepField, body: Body, axis: int, middles: Array, room: float = 1.0) -> Mask:
-    """Return which lanes at some places across, metres, are driven with room to spare; room: as of `careful`."""
+    """Return which lanes at places across, metres, are driven with room to spare; room: as in `careful`."""
     places = middles + room_beside(body) * room * np.array([[0.0], [-1.0], [1.0]])
     robot = careful(field, body, room) or _with_less(body, room, *_CARE[0])
     passed = straight(field, robot, axis, places.ravel()).passed

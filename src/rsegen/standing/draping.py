@@ -17,6 +17,7 @@ def draped(field: StepField, points: Array) -> Array:
 
 def _draped_part(field: StepField, start: Array, end: Array) -> Array:
     """Return a straight line laid on the blocks, cut at the edges of cells."""
+    # In cells from the map's corner; t runs from 0 at the start to 1 at the end, and is cut where a cell begins.
     cells = np.stack([start, end]) / field.block_width + np.array(field.shape) / 2
     cuts = [np.array([0.0, 1.0])]
     for low, high in cells.T.tolist():
@@ -25,6 +26,7 @@ def _draped_part(field: StepField, start: Array, end: Array) -> Array:
         cuts.append((between - low) / (high - low) if len(between) else np.empty(0))
     t = np.unique(np.concatenate(cuts))
     middles = cells[0] + ((t[:-1] + t[1:]) / 2)[:, None] * (cells[1] - cells[0])
+    # Each piece is as high as the cell in its middle; its end and the next begin are one above the other.
     ends = start + np.repeat(t, 2)[1:-1, None] * (end - start)
     return np.column_stack([ends, np.repeat(_heights(field, middles), 2)])
 

@@ -53,18 +53,18 @@ class RobotDrawing:
         project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
         """
         parts = self.body.by_part(_placed(self.body, self.rests))
-        for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
-            yield hull(project(*parts[number].T)), _DRIVEN if self.body.parts[number].drives else _UNDRIVEN
+        for index in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
+            yield hull(project(*parts[index].T)), _DRIVEN if self.body.parts[index].drives else _UNDRIVEN
 
     def describe(self) -> str:
-        """Return in words how it stands."""
+        """Return a sentence on how the robot stands."""
         reason = REASONS[int(self.rests.reason[0])]
         if not self.rests.stands[0]:
             return f"the robot {reason}"
         tilt, margin = (degrees(float(angles[0])) for angles in (self.rests.tilt, self.rests.tip_angle))
-        what = f", and {reason}" if reason else ""
+        weakness = f", and {reason}" if reason else ""
         others = f"; one of {self.stable} stable poses" if self.stable > 1 else ""
-        return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}{others}"
+        return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{weakness}{others}"
 
 
 def draw_robot(axes: Axes, body: Body, rests: Poses, index: int = 0) -> None:
@@ -96,30 +96,31 @@ def hull(points: Array) -> Array:
         return np.array(ordered)
 
     def chain(along: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
-        kept: list[tuple[float, ...]] = []
+        corners: list[tuple[float, ...]] = []
         for x, y in along:
-            while len(kept) > 1:
-                (a, b), (c, d) = kept[-2:]
+            while len(corners) > 1:
+                (a, b), (c, d) = corners[-2:]
                 if (c - a) * (y - b) - (d - b) * (x - a) > 0:  # a turn to the left
                     break
-                kept.pop()
-            kept.append((x, y))
-        return kept[:-1]
+                corners.pop()
+            corners.append((x, y))
+        return corners[:-1]  # the last one is the first of the other chain
 
     return np.array(chain(ordered) + chain(ordered[::-1]))
 
 
 _MANY, _WAYS = 1000, 32
-"""Points from which on it is worth to leave out inner ones, and the directions in which outer ones are looked for."""
+"""Points up to which inner ones are left in, as it is faster, and directions in which outer points are looked for."""
 
 
 def _without_inner(points: Array) -> Array:
-    """Return points (n, 2) but those inside the polygon of the farthest in some directions (Akl, Toussaint 1978)."""
+    """Return points (n, 2) without those inside the polygon of the outermost points (Akl, Toussaint 1978)."""
     if len(points) <= _MANY:
         return points
     ways = np.arange(_WAYS) * 2 * np.pi / _WAYS
     corners = np.unique([points[(points @ (np.cos(way), np.sin(way))).argmax()] for way in ways], axis=0)
     corners = hull(corners)
+    # To the right of a side, or on it: its ends are corners of the hull and stay.
     outside = np.zeros(len(points), bool)
     for (a, b), (c, d) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         outside |= (c - a) * (points[:, 1] - b) - (d - b) * (points[:, 0] - a) <= 0

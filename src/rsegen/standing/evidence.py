@@ -8,9 +8,9 @@ distribution of little weight s, since most places hold a robot always or never:
 
     1 - q = (s exp(-h w) + passed) / (s + passed + held)
 
-h w is what poses let expect of w metres, weighted by risk. A robot gets over a way with the product of all 1 - q, so
-the surest way is the one with the least sum of -log(1 - q), here counted in metres, by 1/h: w where nobody has been, a
-third of it after one drive that got on, some 4 m where one was held, and no limit where a place is closed.
+h w is the hazard of w metres, weighted by the risk that poses show. A robot gets over a way with the product of all
+1 - q, so the surest way is the one with the least sum of -log(1 - q), here counted in metres, by 1/h: w where nobody
+has been, a third of it after one drive that got on, some 4 m where one was held, and no limit where a place is closed.
 
 Cost: one array operation a search. What breaks it: a place that holds only robots that come from one side.
 """
@@ -22,7 +22,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, Ints
 
 MOVE, IN, OUT = range(3)
-"""Parts of a way: a move on from a place, the lane onto the map that leads there, and that from there off it."""
+"""Parts of a way: a move on from a place, the lane onto the map that leads there, and the lane from there off it."""
 
 _HAZARD = 0.3
 """Hazard h of ground that nobody has tried, per weighted metre. Of 120 drives along the first ways over 40 maps of
@@ -30,7 +30,7 @@ mixed-course, 13 such metres each, ten crossed, which is 0.2; of drives along th
 0.4 and 1 on twelve other maps, 52, 57 and 35 in a hundred did."""
 
 _WEIGHT = 0.5
-"""Drives as which what poses let expect weighs: with the prior of a prediction, Beta(1/4, 1/4), as much."""
+"""Number of drives s that the prior from poses counts as: as many as the prior of a prediction, Beta(1/4, 1/4)."""
 
 
 class Evidence:
@@ -47,15 +47,15 @@ class Evidence:
         return self.passed[part].ravel()[places], self.held[part].ravel()[places]
 
     def metres(self, part: int, places: Ints | slice, weighted: Array) -> Array:
-        """Return the metres as which moves or lanes count; weighted: theirs as poses know them, by the places."""
+        """Return the metres as which moves or lanes count; weighted: their metres weighted by risk, by the places."""
         passed, held = self.counts(part, places)
         got_on = _WEIGHT * np.exp(-_HAZARD * weighted) + passed
         return np.asarray((np.log(_WEIGHT + passed + held) - np.log(got_on)) / _HAZARD)
 
     def least_share(self, longest: float) -> float:
-        """Return a share of its weighted metres that no move counts less than; longest: of all moves, metres.
+        """Return the least share of its weighted metres as which any move counts; longest: of all moves, metres.
 
-        The metres as which a move counts are concave in its own, so they are the least share of the longest.
+        The metres as which a move counts are a concave function of its own, so the longest has the least share.
         """
         got_on = self.passed[MOVE].max()
         at_least = np.log(_WEIGHT + got_on) - np.log(_WEIGHT * np.exp(-_HAZARD * longest) + got_on)

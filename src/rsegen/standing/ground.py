@@ -44,6 +44,7 @@ class PaddedGround:
 
         TooLarge if blocks are so narrow that the border of such a robot has more cells than a machine has room for.
         """
+        # Twice the robot's radius: in the middle of the border all of it is above level ground, and above this array.
         inside = int(np.ceil(radius / field.block_width)) + 1
         border = 2 * inside
         n_x, n_y = field.shape
@@ -77,6 +78,7 @@ class PaddedGround:
         """Return the heights of the ground under samples of robots, (n, m): (n, 2 or more, m) in cells from middles."""
         under = np.empty((len(samples), samples.shape[2]), SINGLE)
         for part in row_slices(*under.shape):
+            # In place and in 32 bits, i * n_y + j: most of the time of settling is spent here.
             cells = (samples[part, :2] + middle[:, part].T[..., None].astype(SINGLE)).astype(np.int32)
             flat = cells[:, 0]
             flat *= np.int32(self.shape[1])

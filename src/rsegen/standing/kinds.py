@@ -35,7 +35,7 @@ class RobotOnField(CrossingModel):
     __slots__ = ()
 
     kind: str
-    if TYPE_CHECKING:  # a field of the one, a property of the other
+    if TYPE_CHECKING:  # a field of some of its classes, a property of others
 
         @property
         def speed(self) -> float: ...  # noqa: D102  # the class says it
@@ -78,7 +78,7 @@ class RobotOnField(CrossingModel):
         return pose_statistics(field, self.body)
 
     def caps(self, field: StepField, axis: int) -> Ints | None:
-        """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
+        """Return the highest levels along a straight lane that the robot drives; None if it drives one already."""
         report = partial(report_share, self.search)
         return lane_caps(field, self.body, axis, room=self.room, kind=self.kind, report=report)
 
@@ -104,11 +104,11 @@ class RobotOnField(CrossingModel):
         return events(way)
 
     def drawn_at(self, field: StepField, x: float, y: float, heading: float) -> RobotDrawing:
-        """Return it where it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
+        """Return the robot as it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
         from rsegen.standing.drawing import RobotDrawing
 
-        found = stable_poses(field, self.body, x, y, heading)
-        return RobotDrawing(body=self.body, rests=found.level, stable=int(found.count[0]))
+        stable = stable_poses(field, self.body, x, y, heading)
+        return RobotDrawing(body=self.body, rests=stable.level, stable=int(stable.count[0]))
 
     def pose_maps(self, scene: Scene, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its tilt, margin and reason at a heading [rad], as an image file."""
@@ -124,7 +124,7 @@ class _SameRobot(RobotOnField):
     robot: RobotOnField
 
     @property
-    def kind(self) -> str:  # type: ignore[override]  # that of the robot
+    def kind(self) -> str:  # type: ignore[override]  # read-only, as the robot says it
         """Kind of the robot."""
         return self.robot.kind
 

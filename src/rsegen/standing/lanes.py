@@ -3,9 +3,9 @@ r"""Lanes: the pose of a robot at every step of a straight piece of its way, and
 1. A lane is cut into steps of a fraction of a block. At each step the robot rests (settling.py), and its margin of
    forward force is known (pushing.py).
 2. A lane ends where the robot tips over, where an upright face of it hits a block, where a round part that does not
-   drive is held at the side of a block, or where the robot cannot push itself on: the force that lacks, along the
-   distance over which it lacks, is more than its kinetic energy gives back, or between poses the parts that do not
-   drive have to be lifted by more than the wheels' work and half of that energy,
+   drive is held at the side of a block, or where the robot cannot push itself on: the missing force, along the distance
+   over which it is missing, takes more than its kinetic energy, or parts without drive have to be lifted between poses
+   by more than the wheels' work and half of that energy,
 
        sum of -s dx > v^2 / 2 g        sum of (lift - F dx) > v^2 / 4 g
 
@@ -19,10 +19,10 @@ than 90 degrees minus the angle of friction: up to a rise of r (1 - mu / sqrt(1 
      \_ /|___          \_|/___       left: the rise is above the equator of a ball without friction: it is held
     _____|            ___|           right: below it: it is lifted, if force and energy last
 
-Which of several stable poses a robot takes depends on the one before. It takes three times as long to follow it, and
-tells no more of whether a lane is driven: of 228 drives in Gazebo Classic (benchmarks/crossings) 203 rightly, and 202
-with each pose by itself. So lanes that are tried have the poses of a robot that is put down level, and those that are
-answers follow (`follows`): where a pose is unlike the one before, the robot is put down as it stood there.
+Which of several stable poses a robot takes depends on the one before. To follow it takes three times as long, and does
+not predict better whether a lane is driven: 203 of 228 drives in Gazebo Classic (benchmarks/crossings), and 202 with
+each pose by itself. So lanes that are tried have the poses of a robot that is put down level. In lanes that are answers
+each pose follows (`follows`): if it is unlike the one before, the robot is put down as it stood there.
 
     put down level   a a a b b b b a b b b        asked at each jump from a to b, and from b to a
     that follows     a a a a a b b b b b b        the third b is where a is stable no more
@@ -107,10 +107,10 @@ class End(IntEnum):
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Lanes:
-    """Straight lanes that a robot drives, L of them with K poses each; at the last ones it may stay where it is.
+    """Straight lanes that a robot drives, L of them with K poses each; a lane repeats its last known pose up to K.
 
-    poses: L * K robots at rest, lane by lane; count: (L,) poses of each lane, the last ones of K left out
-    end: (L,) why a lane ends; last: (L,) the number of its last pose, count - 1 for one that is driven to its end
+    poses: L * K robots at rest, lane by lane; count: (L,) poses of each lane if it is driven to its end
+    end: (L,) why a lane ends; last: (L,) index of its last pose, count - 1 for one that is driven to its end
     drops, slips: (L, K) where the robot falls, or slides by itself, before a lane ends
     """
 
@@ -127,7 +127,7 @@ class Lanes:
         return np.asarray(self.poses.tilt.reshape(len(self.end), -1).max(axis=1))
 
     def lane(self, number: int) -> Lanes:
-        """Return one of them."""
+        """Return the lane of a number."""
         count, row = self.drops.shape[1], slice(number, number + 1)
         poses = self.poses.some(slice(number * count, (number + 1) * count))
         rows = {name: getattr(self, name)[row] for name in ("count", "end", "last", "drops", "slips")}
@@ -155,7 +155,7 @@ class Lanes:
 
 
 def origins(poses: Settled, body: Body) -> tuple[Array, Array]:
-    """Return x and y of the origin of a robot at some poses, metres, (n,) each; the poses tell its centre of mass."""
+    """Return x and y of the origin of a robot at some poses, which have its centre of mass, metres, (n,) each."""
     c, s, (along, across, _) = np.cos(poses.yaw), np.sin(poses.yaw), body.centre
     return poses.x - c * along + s * across, poses.y - s * along - c * across
 
@@ -197,8 +197,10 @@ class _Driving:
 
     count, step: (L,) poses of each lane, and metres between two of them; rest: the robot at rest at known poses
     place: (L, K) the number of each pose in `rest`, -1 where it is not known
-    seen: (L,) how many poses of each lane were looked at, all after one in which it tips over left out
-    height, surplus, force, tips, hits, held: (L, K) of these poses; end, last: (L,) as in Lanes
+    seen: (L,) how many poses of each lane were looked at, none after one in which it tips over
+    height, force: (L, K) of the centre of mass, metres, and its force margin, in weights
+    surplus: (L, K) work to lift parts in the step to a pose, less the work of the wheels, in weights times metres
+    tips, hits, held: (L, K) at which poses it tips over, hits a block, and is held; end, last: (L,) as in Lanes
     """
 
     def __init__(
@@ -231,6 +233,7 @@ class _Driving:
         """Drive the lanes, and return them; each stays at the last pose that was looked at."""
         live, begin, most = np.arange(len(self.count)), 0, self.place.shape[1]
         while len(live):
+            # The fewer lanes go on, the longer are sections. Lanes whose poses follow each other are one section.
             end = begin + max(_SECTION, _TOGETHER // len(live))
             end = most if self.follows or end + _SECTION > most else end
             self._look(live, begin, end)
@@ -253,10 +256,10 @@ class _Driving:
         )
 
     def _look(self, live: Ints, begin: int, end: int) -> None:
-        """Find the poses of lanes that still go on, from a number to another one, and what they are like."""
-        number = np.arange(begin, end)
-        row, column = np.nonzero((number < self.count[live, None]) & (self.place[live, begin:end] < 0))
-        lane, k = live[row], number[column]
+        """Find the poses `begin` to `end` of lanes that still go on, and all that decides where these end."""
+        section = np.arange(begin, end)
+        row, column = np.nonzero((section < self.count[live, None]) & (self.place[live, begin:end] < 0))
+        lane, k = live[row], section[column]
         x, y, yaw = (values[lane] for values in self.start)
         along = k * self.step[lane]
         self.place[lane, k] = len(self.rest.x) + np.arange(len(lane))
@@ -266,14 +269,15 @@ class _Driving:
             self._follow()
         # A lane stays at the first pose in which the robot tips over.
         self.tips[live, begin:end] = tips = ~has_stood(self.rest)[self.place[live, begin:end]]
-        tips &= number < self.count[live, None]
+        tips &= section < self.count[live, None]
         until = np.where(tips.any(axis=1), begin + tips.argmax(axis=1) + 1, end)
         self.seen[live] = np.minimum(until, self.count[live])
-        row, column = np.nonzero(number < self.seen[live, None])
-        lane, k = live[row], number[column]
+        row, column = np.nonzero(section < self.seen[live, None])
+        lane, k = live[row], section[column]
         rest = self.rest.some(self.place[lane, k])
         self.height[lane, k], self.force[lane, k] = rest.z, force_margin(self.ground, self.body, rest)
         self.surplus[lane, k] = -_grip(self.body, rest) * self.step[lane]
+        # From the second pose on, the step that leads there.
         lane, k = lane[k > 0], k[k > 0]
         step = _Steps(self.ground, self.body, self.rest, self.place[lane, k - 1], self.place[lane, k])
         self.surplus[lane, k] += step.lift()
@@ -299,13 +303,14 @@ class _Driving:
             lane, pose = lane[differs], before[differs] + 1
             self.place[lane, pose] = len(rest.x) + np.arange(len(lane))
             self.rest = joined([rest, new.some(np.flatnonzero(differs))])
+            # Only what comes after a changed pose may change next.
             may &= ~asked
             has_next = pose < may.shape[1]
             may[lane[has_next], pose[has_next]] = True
 
     def _judge(self, live: Ints, end: int) -> None:
-        """Find which lanes end before a pose, and why, as far as enough poses after it are known."""
-        seen, number = self.seen[live], np.arange(end)
+        """Find which lanes end before the pose `end`, and why, as far as enough poses after them are known."""
+        seen, pose = self.seen[live], np.arange(end)
         tips, hits, held = (mask[live, :end] for mask in (self.tips, self.hits, self.held))
         force, surplus = self.force[live, :end], self.surplus[live, :end]
         # A robot that nothing balances slides: forward, if it comes down, which takes it on; else it is held up.
@@ -316,21 +321,23 @@ class _Driving:
         lacks = force < 0
         taken = np.where(lacks, -force * self.step[live, None], 0.0).cumsum(axis=1)
         lacking = taken - np.maximum.accumulate(np.where(lacks, 0.0, taken), axis=1)
+        # `asked` is the largest sum over any stretch that ends at a pose: work of the wheels before it is not stored.
         work = surplus.cumsum(axis=1)
         asked = work - np.minimum(np.minimum.accumulate(work, axis=1), 0.0)
         is_stuck = (lacking > energy) | (asked > _USED * energy)
         reasons = [End.TIPS, End.HITS, End.HELD, End.STUCK]
         reason = np.asarray(np.select([tips, hits, held, is_stuck], reasons, End.NONE))
+        # Whether a robot slides forward is known `_LATER` poses on, so the last ones wait for the next section.
         is_whole = (seen == self.count[live]) | tips[np.arange(len(live)), seen - 1]
-        reason[number >= np.where(is_whole, seen, seen - _LATER)[:, None]] = End.NONE
+        reason[pose >= np.where(is_whole, seen, seen - _LATER)[:, None]] = End.NONE
         ends = np.flatnonzero(reason.any(axis=1))
         self.last[live[ends]] = last = (reason[ends] != End.NONE).argmax(axis=1)
         self.end[live[ends]] = reason[ends, last]
 
     def _stops(self) -> Ints:
-        """Return at which pose a block stops the robot on lanes that would end where it tips over, (L,); K for none.
+        """Return the pose at which a block stops the robot, on lanes that end where it tips over, (L,); K for none.
 
-        That pose, or one before it, is up a wall, and the robot stays before that.
+        It tips over as it is lifted up a wall, which no robot climbs: it stays where the wall begins.
         """
         stop = np.full(len(self.count), self.place.shape[1])
         tipped = np.flatnonzero((self.end == End.TIPS) & (self.last > 0))
@@ -339,8 +346,8 @@ class _Driving:
         meets = step.meets(np.arange(len(self.body.points)), _HIT)
         stop[tipped[meets]] = last[meets]
         # Of the rises since it was as long before it tips over, the first that no slope gives.
-        number, long = np.arange(self.place.shape[1]), self.step[tipped, None]
-        near = (number <= last[:, None]) & (number > last[:, None] - self.body.length / long)
+        pose, long = np.arange(self.place.shape[1]), self.step[tipped, None]
+        near = (pose <= last[:, None]) & (pose > last[:, None] - self.body.length / long)
         lifted = near & (np.diff(height, axis=1, prepend=height[:, :1]) > _WALL * long)
         up = lifted.any(axis=1)
         stop[tipped[up]] = lifted[up].argmax(axis=1)
@@ -348,7 +355,7 @@ class _Driving:
 
 
 def _falls(height: Array, seen: Ints) -> Mask:
-    """Return at which poses (L, K) a robot is lower some poses later; the last of those that are seen stays."""
+    """Return at which poses (L, K) a robot is lower `_LATER` poses on, or at the last one that was looked at."""
     later = np.minimum(np.arange(height.shape[1]) + _LATER, seen[:, None] - 1)
     return np.asarray(np.take_along_axis(height, later, axis=1) < height - _HIT)
 
@@ -390,9 +397,9 @@ class _Steps:
     after: Ints
 
     def meets(self, samples: Ints, give: float) -> Mask:
-        """Return whether some samples of a robot as it was are lower than the ground where it comes next, (n,).
+        """Return whether some samples of a robot, in its pose before, are in the ground at its next place, (n,).
 
-        give: metres by which they may be, besides what the robot rises on its slope
+        give: depth in metres that is allowed, besides the rise of the robot on its slope
         """
         rest, before, after = self.rest, self.before, self.after
         points = (self.body.points - self.body.centre)[samples]
@@ -405,8 +412,9 @@ class _Steps:
         return np.asarray(into > give + np.hypot(*rest.slope[before].T) * step)
 
     def lift(self) -> Array:
-        """Return the rise of each contact after a step that does not drive, times its share of the load, (n,)."""
+        """Return the rise of the contacts after a step that do not drive, by their shares of the load, metres, (n,)."""
         rest, before, after = self.rest, self.before, self.after
+        # The three samples that bear the robot after the step, and how high the same ones were before it.
         contacts = rest.contacts[after]
         points = (self.body.points - self.body.centre)[contacts]
         at = np.einsum("nij,ncj->nci", rest.axes[after], points)
@@ -427,14 +435,14 @@ crossed in Gazebo Classic, of those with less 3 of 9."""
 def driven_lanes(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Array:
     """Return the places across, metres, of the straight lanes that are driven to their ends.
 
-    The lanes a little to either side of them are driven too. middles: of the lanes, by default as of `straight`.
+    The lanes a little to either side of them are driven too. middles: of the lanes, by default as in `straight`.
     """
     middles = across(field, axis) if middles is None else middles
     return middles[surely_passed(straight(field, body, axis, middles), field, body, axis, middles)]
 
 
 def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles: Array) -> Mask:
-    """Return which lanes at some places across, metres, are driven to their ends, and the ones next to them too.
+    """Return which lanes at places across, metres, are driven to their ends together with the lanes next to them.
 
     Where a robot falls it comes down a little aside, so lanes with drops have more room.
     """
@@ -462,8 +470,13 @@ def across(field: StepField, axis: int) -> Array:
 
 
 def entry_distance(field: StepField, body: Body, axis: int) -> float:
-    """Return how far before a field, along an axis, the origin of a robot is that is wholly outside it, metres."""
+    """Return how far from the middle of a field, along an axis, a robot's origin is when it is wholly before it [m]."""
     return field.extent[axis] / 2 + max(float(body.high[0]), 0.0) + step_of(body)
+
+
+def straight_length(field: StepField, body: Body, axis: int) -> float:
+    """Return the length of a lane across a field along an axis, outside of which a robot is at both ends, metres."""
+    return entry_distance(field, body, axis) + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
 
 
 def straight(
@@ -476,13 +489,11 @@ def straight(
 ) -> Lanes:
     """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across it, in metres.
 
-    They are where the robot is wholly outside at first and at last; by default through the middle of every line of
-    cells but those of frames alone. follows: as of `drive_lanes`
+    The robot is wholly outside at their first and last poses. By default one is on each line of cells, but for lines of
+    frames alone. follows: as in `drive_lanes`
     """
     middles = across(field, axis) if middles is None else middles
-    before = entry_distance(field, body, axis)
-    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
-    along = np.full(len(middles), -before)
+    along = np.full(len(middles), -entry_distance(field, body, axis))
     x, y = (along, middles) if axis == 0 else (middles, along)
     ground, yaw = PaddedGround.of(field, outer_radius(body)), np.full(len(middles), axis * np.pi / 2)
-    return drive_lanes(ground, body, x, y, yaw, length, follows=follows)
+    return drive_lanes(ground, body, x, y, yaw, straight_length(field, body, axis), follows=follows)

@@ -1,10 +1,10 @@
-"""The state lattice of a robot on a field: where it gets, and how it best gets on.
+"""The state lattice of a robot on a field: which places it reaches, and its best ways there.
 
-Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py), but along frames there are
-none; turns on the spot are poses between two headings. What is passed is a graph over (x, y, heading), a state lattice
-(Pivtoraiko, Knepper and Kelly 2009), on which places are reached (strongly connected components) and ways are found
-(Dijkstra 1959): the shortest, or the shortest of those whose largest tilt is least, or whose least margin, the angle by
-which the robot must be turned to tip over, is largest.
+Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py); no move leads along a frame.
+Turns on the spot are poses between two headings. The moves and turns that the robot can make are a graph over
+(x, y, heading), a state lattice (Pivtoraiko, Knepper and Kelly 2009). On it places are reached (strongly connected
+components) and ways are found (Dijkstra 1959): the shortest one, a short and safe one, or the shortest with the least
+maximum tilt or the largest minimum margin, the angle by which the robot must be turned to tip over.
 
     o   o   @---o-->     o  middle of a cell, in each of eight headings
           /              -  move: a lane to the next middle in its heading, which the robot drives to its end
@@ -16,8 +16,8 @@ What the robot can do at a place is found once it is asked for. A region (reach.
 little: the robot is trusted with all moves, what is not known of the best way is found, and so on (`_cheapest`).
 
 Cost: some 12 poses a move, or as many as steps of the robot; for a way one to three seconds, or as long as for a region
-where there is none. What breaks it: what breaks lanes; and each move begins
-at the robot's full speed, which a straight lane does not give.
+if no way leads there. What breaks it: what breaks lanes; and each move begins at the robot's full speed, which it may
+not have after the move before.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
 
 Lane = tuple[float, float]
-"""The length of a lane onto the map or off it as which it counts, metres, and the worst on it."""
+"""Metres as which a lane onto the map or off it counts, and the worst on it."""
 
 _AROUND = 2
 """Cells around a way at which poses are found with those on it."""
@@ -75,21 +75,21 @@ Watch = Callable[[float], object]
 
 
 def unwatched(_: float) -> None:
-    """Take what nobody watches."""
+    """Ignore the progress of a search that nobody watches."""
 
 
 class Lattice:
     """The moves of a robot between the centres of a field's cells in eight headings, and those that it can make.
 
-    What it can do at a place and heading is found once it is asked for: no robot that a wall stops is tried behind it.
+    A move or turn is tried once it is asked for: behind a wall that stops the robot nothing is tried.
 
-    best: which ways are the best, one of BEST; the worst on a move is small where that is good: the largest tilt in
-    radians, the least margin with a minus, or for safe ones the tilt as a share of that at which it tips over on
-    level ground, 1 for a fall
+    best: which ways are the best, one of BEST; it decides what "the worst" on a move is, the smaller the better: the
+    largest tilt, radians; the negative of the least margin; or, for safe ways, the tilt as a share of the tilt at which
+    it tips over on level ground, 1 for a fall
     moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
     worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
-    evidence: what drives have shown of moves, by which ways are chosen once there are any
-    watch: called after each step of what takes long
+    evidence: what drives have shown of moves; None before the first drive
+    watch: called with the share of the search that is done
     """
 
     evidence: Evidence | None = None
@@ -112,7 +112,7 @@ class Lattice:
         self._rest, self._number_of_rest = settle(self.ground, body, nowhere, nowhere, nowhere), np.full(shape, -1)
 
     def tell(self, share: float) -> None:
-        """Tell who watches how far the search is, never less than before: a way may be searched after a region."""
+        """Report the share of the search that is done, never less than before: a way is searched after a region."""
         self._share = max(self._share, share)
         self.watch(self._share)
 
@@ -129,12 +129,12 @@ class Lattice:
         self._rest = joined([self._rest, rest])
 
     def _moves_from(self, places: Ints) -> tuple[Ints, Ints]:
-        """Return those of places from which a move leads on, and the places to which it leads."""
+        """Return the places from which a move leads on, out of some, and the places to which it leads."""
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + MOVES[k, 0], j + MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
         places, i, j, k, on_i, on_j = (values[inside] for values in (places, i, j, k, on_i, on_j))
-        # No move leads along a frame, aslant within a double one neither.
+        # No move leads along a frame, nor diagonally within a double one.
         rows, columns = (lines_along(self.field, axis) for axis in (0, 1))
         free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
         return places[free], np.ravel_multi_index((on_i[free], on_j[free], k[free]), self.moves.shape)
@@ -215,31 +215,34 @@ class Lattice:
         return {(i, j, k): (0.0, float(worst[k])) for k in np.flatnonzero(has_stood(rest)).tolist()}
 
     def counted(self, part: int, places: Ints | slice, length: Array, worst: Array) -> Array:
-        """Return the lengths as which moves or lanes count, with the worst on them: as drives have shown, if any have.
+        """Return the lengths as which moves or lanes count, infinite where closed; their own without evidence.
 
-        The sum of risks in a safe way and the sum of lengths are weighed against each other; where the largest tilt
-        decides, a place that held more drives than got on is closed.
-        part: one of rsegen.standing.evidence; infinite where it is closed
+        For safe and short ways evidence makes them longer or shorter. Where the largest tilt or least margin decides, a
+        place that held more drives than got on is closed.
+        part: MOVE, IN or OUT of rsegen.standing.evidence; worst: on each
         """
         if self.evidence is None:
             return length
         if self.best in ("tilt", "margin"):
             passed, held = self.evidence.counts(part, places)
             return np.where(held > passed, np.inf, length)
+        # Divided by the risk again, as the cost of a safe way multiplies by it (`best_way`).
         risk = 1 + _RISK * worst if self.best == "safe" else 1.0
         return self.evidence.metres(part, places, length * risk) / risk
 
     def best_way(
         self, starts: Mapping[Place, Lane], goals: Mapping[Place, Lane], left: Array
     ) -> tuple[float, list[Place]] | None:
-        """Return the cost of the best way from a start to a goal, and its places; None if there is none.
+        """Return the cost of the best way from a start to a goal, and its places; None if no goal is reached.
 
-        left: (n_x, n_y), a length from a cell that no way to a goal is shorter than
+        left: (n_x, n_y), a lower bound of the length from each cell to a goal
         """
+        # Where a drive got on, moves count less than their lengths, and the bound must stay one.
         if self.evidence is not None:
             left = left * self.evidence.least_share(float(self._lengths.max()) * (1 + _RISK * _MOST_RISK))
         if self.best == "safe":
             return self._cheapest(starts, goals, lambda cost, length, worst: cost + length * (1 + _RISK * worst), left)
+        # The least maximum first, then the shortest way that does not exceed it.
         limit = np.inf
         if self.best != "length":
             none = np.zeros(self.field.shape)
@@ -261,13 +264,13 @@ class Lattice:
         left: Array,
         first: float = 0.0,
     ) -> tuple[float, list[Place]] | None:
-        """Return the least cost from a start to a goal, over lanes that lead there, and the places between.
+        """Return the least cost from a start to a goal, with the lanes at both, and the places between.
 
-        The robot is trusted with all that is not known to fail, and nothing is taken to be worse than the poses at its
-        ends. What is not known of the best way then is found, until nothing is: no other way is better than that one
-        (LazySP, Dellin and Srinivasa 2016). On rough ground that takes two to twenty ways.
-        cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
-        left: of each cell a cost that no way to a goal is below; it falls by no more than a move costs
+        All moves that are not known to fail are trusted, and are taken to be no worse than the poses at their ends. The
+        unknown moves of the best way are then found, and so on until all of it is known: no other way is better than
+        that one (LazySP, Dellin and Srinivasa 2016). On rough ground that takes two to twenty ways.
+        cost_of: the cost after a move, from the cost before it, its length and the worst on it; it never falls
+        left: of each cell a lower bound of the cost to a goal; it falls by no more than a move costs
         first: the cost before a start
         """
         of_place = np.repeat(left.ravel(), HEADINGS).tolist()
@@ -276,10 +279,10 @@ class Lattice:
             for lanes in (starts, goals)
         )
         while True:
-            found = _cheapest_way(begins, ends, self._hopes(), cost_of, of_place, first)
-            if found is None:
+            cheapest = _cheapest_way(begins, ends, self._hopes(), cost_of, of_place, first)
+            if cheapest is None:
                 return None
-            cost, way = found
+            cost, way = cheapest
             if self._knows(np.array(way)):
                 return cost, [self._place(at) for at in way]
 
@@ -289,10 +292,12 @@ class Lattice:
         return (*divmod(cell, self.field.shape[1]), k)
 
     def _hopes(self) -> Callable[[int], Iterator[tuple[int, float, float]]]:
-        """Return what yields the places to which a robot may go on from a place, numbers in `moves`.
+        """Return a function that yields the moves and turns from a place: where to, the length, and the worst on it.
 
-        With the length of each move, and the worst on it, or less; a turn moves its sides.
+        Places are numbers in `moves`. The worst is a lower bound where it is not yet found; a turn is as long as the
+        path of the robot's sides.
         """
+        # A pose that tips over rules a move out; else, until it is driven, it is as bad as the worse pose at its ends.
         tails, heads = self.all_moves
         fails = (self.is_settled & ~self.stands).ravel()
         least = np.where(fails, np.inf, self._worst_of_places.ravel())
@@ -301,6 +306,7 @@ class Lattice:
         known = np.where(self.moves, self.worst_of_moves, np.inf).ravel()
         worst = np.where(self.is_driven.ravel(), known, hoped)
         lengths = self.counted(MOVE, slice(None), self._lengths, np.where(np.isfinite(worst), worst, 0.0))
+        # Lists, as A* reads numbers one by one, for which arrays are slow.
         moves, lengths = np.where(np.isfinite(lengths), worst, np.inf).tolist(), lengths.tolist()
         least = least.reshape(self.turns.shape)
         known, hoped = np.where(self.turns, self.worst_of_turns, np.inf), np.maximum(least, np.roll(least, -1, axis=2))
@@ -311,6 +317,7 @@ class Lattice:
         def onward(at: int) -> Iterator[tuple[int, float, float]]:
             if not next(looked_at) % _REPORT_EVERY:
                 self.tell(0.0)
+            # Headings wrap around; a turn to the right is kept as the turn to the left of the place it leads to.
             k = at % HEADINGS
             to_left, to_right = at + 1 - HEADINGS * (k == HEADINGS - 1), at - 1 + HEADINGS * (k == 0)
             if moves[at] < np.inf:
@@ -323,9 +330,10 @@ class Lattice:
         return onward
 
     def _knows(self, places: Ints) -> bool:
-        """Return whether all along a way, numbers in `moves`, is known; find what is not, first how the robot stands.
+        """Return whether all poses, moves and turns of a way are known; else find the poses, or then the moves.
 
         Poses at the places around are found with them: the next ways mostly lead there, and a call for few is as dear.
+        places: numbers in `moves`
         """
         i, j, k = np.unravel_index(places, self.moves.shape)
         if not self.is_settled.ravel()[places].all():
@@ -335,6 +343,7 @@ class Lattice:
             cells = x[inside] * self.field.shape[1] + y[inside]
             self.settle_at((cells[:, None] * HEADINGS + np.arange(HEADINGS)).ravel())
             return False
+        # Headings between places: 0 for a move, 1 for a turn to the left, 7 to the right, as a turn of the next place.
         turned = np.diff(k) % HEADINGS
         moves, turns = places[:-1][turned == 0], np.where(turned == 1, places[:-1], places[1:])[turned > 0]
         moves, turns = moves[~self.is_driven.ravel()[moves]], turns[~self.is_turned.ravel()[turns]]
@@ -367,17 +376,17 @@ def _cheapest_way(
 ) -> tuple[float, list[int]] | None:
     """Return the least cost from a start to a goal, and the places between; None if no goal is reached.
 
-    Of all places at the front the one goes on whose cost, and a bound of what is left, are least (A*, Hart, Nilsson and
-    Raphael 1968). Cost: of each place once, and of each move out of it, in Python: some microseconds.
+    Of all places at the front the one with the least sum of its cost and the bound of what is left goes on (A*, Hart,
+    Nilsson and Raphael 1968). Cost: each place once, and each move out of it, in Python: some microseconds.
 
-    starts, goals: the length of what leads there, and on from there, and the worst on it; places are numbers from 0 on
+    starts, goals: length and worst of the lane that leads there, or on from there; places are numbers from 0 on
     onward: places to which a place leads, the length of each move, and the worst on it
-    cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
-    left: of each place a cost that no way to a goal is below, and which falls by no more than a move costs
+    cost_of: the cost after a move, from the cost before it, its length and the worst on it; it never falls
+    left: of each place a lower bound of the cost to a goal, which falls by no more than a move costs
     first: the cost before a start
     """
     costs, before = {at: cost_of(first, *lane) for at, lane in starts.items()}, dict[int, int]()
-    # Of equal ones the nearest goes on.
+    # Of equal sums the place with the shorter way so far goes on.
     front = [(cost + left[at], 0.0, at) for at, cost in costs.items() if cost < np.inf]
     heapify(front)
     done, arrived = set[int](), np.inf
@@ -387,6 +396,7 @@ def _cheapest_way(
             return arrived, _traced(before)
         if at in done:
             continue
+        # A goal leads on to the place behind all goals: the search ends once that is the cheapest at the front.
         done.add(at)
         if at in goals and (last := cost_of(costs[at], *goals[at])) < arrived:
             arrived, before[_BEYOND] = last, at

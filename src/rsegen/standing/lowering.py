@@ -1,7 +1,7 @@
-"""Lower blocks until a robot drives across: the constraint `crossable_by` of a kind of robot.
+"""Lowering of blocks until a robot drives across: the constraint `crossable_by` of a kind of robot.
 
 A lane is straight, and as wide as the robot. If none is driven with room to spare, blocks of some lanes are lowered
-where the robot's drive ends, and nowhere else, so a lane stays as rough as the robot takes it:
+where the robot's drive ends, and nowhere else, so a lane stays as rough as the robot can drive:
 
 1. Lanes are cut into pieces that overlap. Each is driven by itself, also to either side, and turned to either side,
    with less momentum and friction than the robot has: what is left is room to spare.
@@ -75,10 +75,11 @@ _PIECE = 1.5
 def lane_caps(
     field: StepField, body: Body, axis: int, *, room: float, kind: str, report: Callable[[float], object]
 ) -> Ints | None:
-    """Return the highest levels along a straight lane that a robot of a kind drives; None if there is one already.
+    """Return the highest levels along a straight lane that a robot of a kind drives; None if it drives one already.
 
-    room: how much of it is to spare, as a share of what is usual; report: called with the share that is done
+    room: share of the usual room to spare; report: called with the share that is done
     """
+    # Along y as along x, on the transposed field.
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
     lines = [
@@ -96,6 +97,7 @@ def lane_caps(
             return None
         driven, count = min(driven + count, len(middles)), _LANES
         report((axis + driven / len(middles) / 2) / 2)
+    # The first lowered lane with room to spare, or the first that is driven at all; the level lane comes last.
     chosen: Ints | None = None
     driver = careful(turned, body, room) if room <= 1 else None
     lowered_lanes = _lowered_lanes(turned, driver, room, lines, aside, partial(_report_lowering, report, axis))
@@ -119,7 +121,7 @@ def lane_caps(
 
 
 def _is_safe(field: StepField, body: Body, axis: int, driven: Array, room: float) -> bool:
-    """Return whether one of the lanes that a robot drives, at some places across, metres, has room to spare."""
+    """Return whether one of the lanes that a robot drives has room to spare; driven: their places across, metres."""
     return bool(len(driven) and safely_passed(field, body, axis, driven, room).any())
 
 
@@ -135,21 +137,22 @@ def _lowered_lanes(
 
     driven: the careful robot; None if it climbs none of blocks as high as these
     """
-    rest: list[_Lowered] = []
+    with_few_blocks: list[_Lowered] = []
     if driven is not None:
+        # Lanes that take the fewest units to have steps of one unit; first all as they are, then from one unit high.
         least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
         best = [line for _, line in least[:_MOST_TRIED]]
         low = replace(field, levels=np.minimum(field.levels, 1))
         for done, (ground, first) in enumerate(product((field, low), range(0, len(best), _TRIED))):
             tried = best[first : first + _TRIED]
             strips = _Strips.of(ground, tried, aside).smoothed(driven, room, partial(report, done))
-            lanes = [_lowered(field, *each, aside) for each in zip(tried, strips, strict=True)]
+            lanes = [_lowered(field, line, strip, aside) for line, strip in zip(tried, strips, strict=True)]
             for lane in sorted(lanes, key=_preference):
                 if (lane.levels > 0).mean() < _ON_BLOCKS:
-                    rest.append(lane)
+                    with_few_blocks.append(lane)
                 else:
                     yield lane.line, lane.levels
-    yield from ((lane.line, lane.levels) for lane in sorted(rest, key=_preference))
+    yield from ((lane.line, lane.levels) for lane in sorted(with_few_blocks, key=_preference))
     _, line = min((_units(field, line, aside, _lane_levels(field, line, aside, 0)), line) for line in lines)
     yield line, _lane_levels(field, line, aside, 0)
 
@@ -163,7 +166,7 @@ class _Lowered(NamedTuple):
 
 
 def _preference(lane: _Lowered) -> tuple[int, int]:
-    """Return what comes first: the fewest units, and of equals the first line."""
+    """Return the key by which lanes are sorted: the fewest units first, and of equals the first line."""
     return lane.units, lane.line
 
 
@@ -191,6 +194,7 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
     """Return the highest levels along x, about a line of cells, whose steps are within a limit, from the ground on."""
     lane = slice(max(line - aside, 0), line + aside + 1)
     levels = field.levels[:, lane].astype(np.int64)
+    # Steps to each cell from the ground at the nearer end.
     steps = np.minimum(np.arange(len(levels)), np.arange(len(levels))[::-1]) + 1
     levels = np.minimum(levels, limit * steps[:, None])
     part = replace(field, levels=levels.astype(np.int16), frame=field.frame[:, lane])
@@ -241,10 +245,12 @@ class _Strips:
                     continue
                 last[strip, piece] = way
                 window = self._window(x, body)
+                # Lowered in this round already: that may be enough, so it is driven again first.
                 if changed[strip, window].any():
                     continue
                 self._lower(strip, window)
                 is_lowered[strip, piece, way] = changed[strip, window] = True
+            # All pieces along which the robot is above changed cells are driven again.
             for strip, piece in np.ndindex(shape[:2]):
                 near = slice(
                     self._window(float(starts[piece]), body).start,
@@ -254,8 +260,9 @@ class _Strips:
         return self.levels
 
     def _window(self, x: float, body: Body) -> slice:
-        """Return the lines of cells under a robot whose origin is at some x, and half a block before it, with ground
-        at both ends as the first and last line.
+        """Return the lines of cells under a robot with its origin at x, metres, and half a block ahead of it.
+
+        Lines count from the ground before the field, 0, to the ground behind it.
         """
         width, count = self.field.block_width, self.levels.shape[1]
         low, high = x + float(body.low[0]), x + float(body.high[0]) + width / 2
@@ -263,9 +270,9 @@ class _Strips:
         return slice(min(max(first, 0), count + 1), min(max(last, 0), count + 1) + 1)
 
     def _ends(self, body: Body, room: float, pieces: Ints, starts: Array) -> Array:
-        """Return where pieces end, x of the robot's origin, metres; NaN if driven.
+        """Return where pieces end, x of the robot's origin, metres; NaN for those that are driven.
 
-        pieces: (n, 3) strip, number of the start, and number of how it is driven
+        pieces: (n, 3) strip, index of the start, and index of the variant in `_DRIVEN`
         """
         wide, width = self.levels.shape[2], self.field.block_width
         levels, frame = (np.concatenate(list(values), axis=1) for values in (self.levels, self.frame))
@@ -283,6 +290,7 @@ class _Strips:
 
         window: lines of cells along x, counted from the ground before the field
         """
+        # The cells next to the lane stay. Frames are walls: no step to them counts, and none of them is lowered.
         inner = slice(1, -1)
         own, frame = self.levels[strip, :, inner], self.frame[strip, :, inner]
         padded, walls = np.pad(own, ((1, 1), (0, 0))), np.pad(frame, ((1, 1), (0, 0)))
@@ -300,7 +308,7 @@ class _Strips:
 
 
 def _either(mask: Mask, axis: int) -> Mask:
-    """Return which neighbours along an axis have one that is in a mask."""
+    """Return which pairs of neighbours along an axis have at least one cell in a mask."""
     first, second = (slice(-1), slice(1, None))
     return mask[first] | mask[second] if axis == 0 else mask[:, first] | mask[:, second]
 

@@ -87,7 +87,7 @@ class Outline(NamedTuple):
 
 
 def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Spot) -> Mask:
-    """Return whether a robot at each x, y, yaw is at least `gap` metres away from one at a spot, along some axis.
+    """Return whether a robot at each x, y, yaw is at least `gap` metres away from a robot at a spot, along some axis.
 
     Two rectangles are apart exactly if their projections on a side of one of them are (Gottschalk, Lin and Manocha
     1996).
@@ -97,8 +97,8 @@ def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Sp
     separated = np.zeros(len(x), dtype=bool)
     for axis in (np.full(len(x), spot.yaw), np.full(len(x), spot.yaw + pi / 2), yaw, yaw + pi / 2):
         normal = np.stack([np.cos(axis), np.sin(axis)], axis=-1)[:, None, :]
-        own, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
-        between = np.maximum(own.min(axis=1) - other.max(axis=1), other.min(axis=1) - own.max(axis=1))
+        own, theirs = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
+        between = np.maximum(own.min(axis=1) - theirs.max(axis=1), theirs.min(axis=1) - own.max(axis=1))
         separated |= between >= gap - EXACT
     return separated
 
@@ -111,9 +111,9 @@ def fits(field: StepField, body: Body) -> bool:
 
 
 def range_inside(extent: tuple[float, float], outline: Outline, yaw: Array) -> Array:
-    """Return the least and largest x and y of a robot that is wholly within a field of some sides, metres.
+    """Return the least and largest x and y of a robot that is wholly within a field, metres, (2, 2, n).
 
-    At each heading: (2, 2, n).
+    The first axis is x and y, the second least and largest, the third the heading; extent: sides of the field, metres.
     """
     c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
     middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c

@@ -37,10 +37,10 @@ from rsegen.standing.lanes import (
 from rsegen.standing.lattice import HEADINGS, MOVES, Lane, Lattice, Place
 from rsegen.standing.resting import of_settled
 from rsegen.standing.settling import Settled, joined, settle
-from rsegen.standing.ways import DrivenWay, Way, no_way, straight_way, worst_of
+from rsegen.standing.ways import DrivenWay, Way, ends_across, no_way, straight_way, worst_of
 
 _CHECKED = 64
-"""Ways whose straight pieces are driven as a whole, before there is said to be none."""
+"""Ways whose straight pieces are driven as a whole at most, before the search ends without a way."""
 
 _HELD_TOO = {-1: 0.5, 0: 1.0, 1: 0.5}
 """Share in which a place holds a robot that comes to it turned by -1, 0 or 1 headings."""
@@ -50,7 +50,7 @@ _TURN_POSES = 7
 
 
 class Planner:
-    """Ways over a lattice, which it bars where a way turns out not to be driven."""
+    """A planner of ways over a lattice; it bars the moves of the lattice at which a way turns out to end."""
 
     def __init__(self, lattice: Lattice) -> None:
         self.lattice, self.field, self.body, self.ground = lattice, lattice.field, lattice.body, lattice.ground
@@ -59,7 +59,7 @@ class Planner:
         self._driven_on: dict[tuple[float, float, float, float], tuple[float, bool]] = {}
 
     def way(self, axis: int, *, checked: bool = True) -> Way | None:
-        """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
+        """Return the best way across along an axis, with straight lanes at both ends; None if no way leads across.
 
         checked: whether its straight pieces are driven as a whole too, and the lanes next to them
         """
@@ -84,9 +84,9 @@ class Planner:
         return None
 
     def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
-        """Return the best way between two places, x and y in metres, at any heading; None if there is none.
+        """Return the best way between two places, x and y in metres, at any heading; None if no way leads there.
 
-        They are the centres of the cells in which these places are, or of the nearest ones.
+        It begins and ends at the centres of the nearest cells.
         """
         cells = [
             (int(np.abs(self.lattice.x - along_x).argmin()), int(np.abs(self.lattice.y - along_y).argmin()))
@@ -99,15 +99,15 @@ class Planner:
         return self._driven_way(self._length(best[1]), best[1]) if best else None
 
     def learn(self, way: Array, end: tuple[float, float] | None, held: float = 1.0) -> None:
-        """Take into account how far a drive along a way got: later ways lead where drives got on, and not where not.
+        """Take into account how far a drive along a way got: later ways lead where drives got on, not where they ended.
 
-        The robot is held as well by moves whose middle is less than a block away, half as much by those that are turned
-        by 45 degrees.
+        Moves whose middle is less than a block from the end count as held too, and moves turned by 45 degrees by half.
 
         way: (n, 2), its points, each apart from the one before
-        end: where the robot was held, None if it crossed, metres
-        held: drives as which that counts; infinite to close the place
+        end: where the robot was held, metres; None if it crossed
+        held: number of drives as which that counts; infinite to close the place
         """
+        # `reached` is the piece of the way nearest to the end; all pieces before it were passed.
         evidence = self.lattice.evidence = self.lattice.evidence or Evidence(self.lattice.moves.shape)
         begins, along = way[:-1], np.diff(way, axis=0)
         reached, at = len(along), np.zeros(2)
@@ -119,6 +119,7 @@ class Planner:
         middles = self.lattice.x, self.lattice.y
         i, j = (np.abs(middles[axis][:, None] - begins[:, axis]).argmin(axis=0) for axis in (0, 1))
         k = np.rint(np.arctan2(along[:, 1], along[:, 0]) / (np.pi / 4)).astype(int) % HEADINGS
+        # The first piece is the lane onto the map, which is kept at the place to which it leads.
         parts = np.full(len(along), MOVE)
         parts[[0, -1]], i[0], j[0] = (IN, OUT), i[1], j[1]
         if np.isfinite(held):
@@ -127,7 +128,7 @@ class Planner:
             self._add_held(evidence.held, at, int(k[reached]), held)
 
     def _add_held(self, counts: Array, at: Array, heading: int, held: float) -> None:
-        """Add drives that were held at a place to the counts of moves past it, and of lanes in and out on its line."""
+        """Add drives that were held at a place to the counts of moves past it, and of lanes in and out over it."""
         width = self.field.block_width
         for turned, share in _HELD_TOO.items():
             k = (heading + turned) % HEADINGS
@@ -142,12 +143,11 @@ class Planner:
                 counts[parts[on], i[on], j[on], heading] += held
 
     def _driven_pieces(self, line: Array, heading: Ints, *, checked: bool) -> Lanes | list[int]:
-        """Return the lanes of the straight pieces of a way, or on which lanes from place to place it ends.
+        """Return the lanes of the straight pieces of a way, or the numbers of its lanes between places that end it.
 
-        0 is the lane that leads to its first place, m that from place m - 1 on. First all pieces are driven: the next
-        way mostly has those behind an ending too. Then again as each pose follows from the one before, on which few end
-        that were driven before.
-        checked: whether it may end at all
+        Lane 0 leads to the first place, lane m leads on from place m - 1. All pieces are driven, also behind one that
+        ends, as the next way mostly has these too; then again with poses that follow each other, where few more end.
+        checked: False to take all pieces as driven
         """
         pieces = _straight_pieces(line, heading)
         begins, ends = pieces.T
@@ -162,13 +162,14 @@ class Planner:
         return [_number_at(line, pieces[k], float(shares[k])) for k in np.flatnonzero(shares < 1)]
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
-        """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
+        """Return the share of each straight piece that is driven, also a little to either side, (n,).
 
-        Where a piece itself ends, nothing next to pieces is driven. Ways that are tried one after the other are mostly
-        the same: what is known to be driven is not driven again.
+        Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
         begins: (n, 2)
         """
         shares, drops = np.ones(len(length)), np.zeros(len(length), bool)
+        # The pieces themselves, then lanes next to them, then farther ones where the robot falls; the first that end
+        # settle it.
         for aside in ((0.0,), (-BESIDE, BESIDE), (-FALL_ROOM, FALL_ROOM)):
             places = [(x, y, turn, aside[0]) for x, y, turn in np.column_stack([begins, yaw]).tolist()]
             far, falls = np.array([self._driven_on.get(place, (0.0, False)) for place in places]).T
@@ -184,20 +185,17 @@ class Planner:
             lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
             shares[asked] = lanes.driven_shares.reshape(-1, len(aside)).min(axis=1)
             drops[asked] |= lanes.drops.any(axis=1).reshape(-1, len(aside)).any(axis=1)
-            for number in asked.tolist():
-                self._driven_on[places[number]] = shares[number] * length[number], bool(drops[number])
+            for piece in asked.tolist():
+                self._driven_on[places[piece]] = shares[piece] * length[piece], bool(drops[piece])
             if (shares < 1).any():
                 break
         return shares
 
     def _line(self, axis: int, places: Sequence[Place]) -> tuple[Array, Ints]:
-        """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
+        """Return the points of a way, both ends and its places, (n + 2, 2), and the heading of each lane, (n + 1,)."""
         points, k = self._points(np.array(places)), np.array(places)[:, 2]
         ends = points[[0, -1]].copy()
-        ends[:, axis] = (
-            -entry_distance(self.field, self.body, axis),
-            self.field.extent[axis] / 2 - float(self.body.low[0]),
-        )
+        ends[:, axis] = ends_across(self.field, self.body, axis)
         return np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
 
     def _points(self, places: Ints) -> Array:
@@ -205,7 +203,7 @@ class Planner:
         return np.stack([self.lattice.x[places[:, 0]], self.lattice.y[places[:, 1]]], axis=1)
 
     def _distance_to(self, goal: tuple[int, int]) -> Array:
-        """Return the distance of all cells from one, metres, which no way to it is shorter than."""
+        """Return the distance of each cell from a goal, metres, (n_x, n_y): a lower bound of the length of a way."""
         i, j = np.indices(self.field.shape)
         return np.asarray(self.field.block_width * np.hypot(i - goal[0], j - goal[1]))
 
@@ -226,14 +224,14 @@ class Planner:
         return ends[0], ends[1]
 
     def _places_at_ends(self, axis: int) -> tuple[Ints, Ints, Ints]:
-        """Return of all lanes at both ends whether they lead in or out, and the cells to or from which they do."""
+        """Return for all lanes at both ends whether they lead in or out, and their cells i and j at the edge."""
         numbers = np.flatnonzero(lines_along(self.field, axis))
         lines, cells = np.tile(numbers, 2), np.repeat([0, self.field.shape[axis] - 1], len(numbers))
         i, j = (cells, lines) if axis == 0 else (lines, cells)
         return np.repeat([IN, OUT], len(numbers)), i, j
 
     def _drive_ends(self, axis: int) -> tuple[Array, Array, Array, Mask, Array]:
-        """Return x and y where lanes in begin, then those out, their lengths, whether they are driven, the worst."""
+        """Return for lanes in, then lanes out: x and y of the begin, length, whether it is driven, and the worst."""
         middles = across(self.field, axis)
         first, edge = self.field.middles()[axis][0], entry_distance(self.field, self.body, axis)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
@@ -243,20 +241,21 @@ class Planner:
         return x, y, length, *self.lattice.driven(x, y, np.full(len(x), axis * np.pi / 2), length)
 
     def _way_of(self, axis: int, places: list[Place], lanes: Lanes) -> Way:
-        """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
+        """Return the way over places, with the worst of its poses, also on its lanes at both ends and in its turns."""
         k = np.array(places)[:, 2]
         line, _ = self._line(axis, places)
         points, ends = line[1:-1], line[[0, -1]]
         length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
+        # At each turn by -1 or 1 headings (-4..3 after the remainder) the poses at both ends and half-way.
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
         x, y = np.tile(points[:-1], (3, 1)).T
         turned = settle(self.ground, self.body, x, y, turning.ravel())
-        kept = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
+        moved = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
         return Way(
             crosses=True,
             length=length,
             length_ratio=length / float(ends[1, axis] - ends[0, axis]),
-            points=np.concatenate([ends[:1], points[kept], ends[1:]]),
+            points=np.concatenate([ends[:1], points[moved], ends[1:]]),
             **worst_of(self.ground, self.body, lanes, turned),
         )
 
@@ -268,6 +267,7 @@ class Planner:
 
     def _driven_way(self, length: float, places: list[Place]) -> DrivenWay:
         """Return the way over places, pose by pose."""
+        # Drops and slips count from the first pose of their lane; turns have none.
         pieces = list(self._pieces(np.array(places)))
         poses = [
             of_settled(self.ground, self.body, piece.poses if isinstance(piece, Lanes) else piece) for piece in pieces
@@ -292,6 +292,7 @@ class Planner:
             turns_on = m < last and places[m, 2] != places[m + 1, 2]
             if m < last and not turns_on:
                 continue
+            # The straight piece ends here: it is one lane from where it began, and a turn may follow.
             ahead = points[m] - points[begin]
             if ahead.any():
                 x, y = points[begin, :1], points[begin, 1:]
@@ -305,28 +306,28 @@ class Planner:
 
 
 def _straight_pieces(line: Array, heading: Ints) -> Ints:
-    """Return from which place of a line to which each straight piece leads, (n, 2), for the headings of its lanes."""
+    """Return the first and last point of each straight piece of a line, indices (n, 2); heading: of its lanes."""
     turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
     pieces = np.stack([turns[:-1], turns[1:]], axis=1)
     return np.asarray(pieces[(line[turns[:-1]] != line[turns[1:]]).any(axis=1)])
 
 
 def _number_at(line: Array, piece: Ints, share: float) -> int:
-    """Return the number of the lane at a share of the length of a straight piece, from and to places of a line."""
+    """Return the number of the lane at a share of the length of a straight piece; piece: its first and last point."""
     first, last = piece
     run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
     return int(first + np.searchsorted(run[:-1], share * run[-1], side="right"))
 
 
 def _run_starts(which: Mask) -> list[int]:
-    """Return the numbers of the first of each stretch of a mask."""
+    """Return the index of the first element of each run in a mask."""
     return [int(at) for at in np.flatnonzero(which & ~np.append(False, which[:-1]))]
 
 
 def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> Way:
     """Return the best way across a field along an axis, 0 for x and 1 for y; best: one of BEST.
 
-    The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
+    The shortest way is the straight one with the least tilt, if a straight lane is driven; else it is on the lattice.
     """
     direct = straight_way(field, body, axis)
     if direct and best == "length":

@@ -34,7 +34,7 @@ _REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
 """Colours from good to bad, darker for worse, so that they differ in grey too."""
 
 _MOST_MARGIN = 45.0
-"""Degrees at which the colours of margins end: what is safer than that looks alike."""
+"""Degrees at which the colours of margins end: all safer places look alike."""
 
 _SPOT_COLOUR = "#ff2d95"
 """Colour of robots at spots, which no level has."""
@@ -78,7 +78,7 @@ def _places(field: StepField) -> tuple[Array, Array]:
 def _draw_angles(
     axes: Axes, field: StepField, angles: Array, label: str, colours: Colormap, most: float | None = None
 ) -> None:
-    """Draw a map of angles in degrees; grey where there are none, as the robot does not stand."""
+    """Draw a map of angles in degrees; grey where the robot does not stand (NaN)."""
     axes.set_facecolor("0.6")
     image = show_cells(axes, field, angles, cmap=colours, vmin=0, vmax=most)
     extend = "max" if most else "neither"
@@ -94,7 +94,7 @@ def _draw_reasons(axes: Axes, field: StepField, reason: Ints) -> None:
     norm = BoundaryNorm(np.arange(len(_NAMES) + 1) - 0.5, len(_NAMES))
     colours = ListedColormap(_REASON_COLOURS)
     show_cells(axes, field, reason, cmap=colours, norm=norm)
-    shares = [float((reason == number).mean()) for number in range(len(_NAMES))]
+    shares = [float((reason == index).mean()) for index in range(len(_NAMES))]
     entries = [
         Patch(facecolor=colour, label=f"{name}, {share:.0%}")
         for colour, name, share in zip(_REASON_COLOURS, _NAMES, shares, strict=True)

@@ -15,15 +15,15 @@ from rsegen.standing.settling import Settled, outer_radius, settle
 from rsegen.standing.stable import stable_at
 
 _SAMPLE = 128
-"""Poses at which all stable ones are looked for, evenly spread over all: seventeen times the work, and an error of the
-share of four in a hundred at most."""
+"""Poses for which all stable ones are looked for, evenly spread: that is seventeen times the work, and the error of the
+share is four in a hundred at most."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PoseStatistics:
     """A robot at rest at the middle of every block, in evenly spaced headings.
 
-    stands: share of these poses in which it stands; all else is of these, and None if there are none
+    stands: share of these poses in which it stands; all other numbers are of those, and None if it stands in none
     ambiguous: share of places where it may stand in more than one way, of a sample
     tilt_median, tilt_p90: the tilt that half, and nine tenths, of the poses do not exceed, radians
     clearance_median, clearance_least: from the ground to the lowest part that neither drives nor bears, metres; None
@@ -50,8 +50,8 @@ def pose_statistics(field: StepField, body: Body) -> PoseStatistics:
 def statistics_of(ground: PaddedGround, body: Body, rest: Settled) -> PoseStatistics:
     """Return the statistics of robots at rest."""
     every = of_settled(ground, body, rest)
-    some = rest.some(np.unique(np.linspace(0, len(rest.x) - 1, _SAMPLE).astype(int))) if len(rest.x) else rest
-    counts = stable_at(ground, body, some.x, some.y, some.yaw).counts
+    sample = rest.some(np.unique(np.linspace(0, len(rest.x) - 1, _SAMPLE).astype(int))) if len(rest.x) else rest
+    counts = stable_at(ground, body, sample.x, sample.y, sample.yaw).counts
     tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
     median, p90 = np.quantile(tilts, [0.5, 0.9]).tolist() if len(tilts) else (None, None)
     return PoseStatistics(

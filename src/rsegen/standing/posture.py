@@ -59,6 +59,7 @@ def _obstacle_cells(scene: Scene) -> Iterator[tuple[dict[str, Any], Mask]]:
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
     """Return for each cell the index of its peak, and of its pit, (n_x, n_y) each; -1 for none; limit: metres."""
+    # Heights in nanometres, as equal ones must be equal; with a border of ground, a neighbour of the cells at the rim.
     tops = np.pad(np.rint(field.heights * 10**NANOMETRE_DIGITS).astype(np.int64), 1)
     sort = np.pad(np.where(field.frame, _FRAME, _BLOCK), 1, constant_values=_GROUND)
     a, b = neighbours(tops.shape)
@@ -108,6 +109,7 @@ def edges(field: StepField) -> Array:
     along_y = _jumps(levels[:, 1:-1], heights[:, 1:-1])
     i, j = along_y[:, :2].astype(int).T
     west_east = [line_x[i], line_y[j], line_x[i], line_y[j + 1], along_y[:, 2], np.zeros(len(i)), *along_y[:, 3:].T]
+    # Found on the transposed arrays, so by j and then i, and put in the order of i and then j.
     along_x = _jumps(levels[1:-1].T, heights[1:-1].T)
     along_x = along_x[np.lexsort((along_x[:, 0], along_x[:, 1]))]
     j, i = along_x[:, :2].astype(int).T
@@ -117,8 +119,7 @@ def edges(field: StepField) -> Array:
 
 def _jumps(levels: Array, heights: Array) -> Array:
     """Return the edges across the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
-    at = np.argwhere(heights[1:] != heights[:-1])
-    line, row = at.T
+    line, row = np.argwhere(heights[1:] != heights[:-1]).T
     rises = heights[line + 1, row] > heights[line, row]
     low, high = line + ~rises, line + rises
     sign = np.where(rises, 1, -1)

@@ -1,7 +1,8 @@
 """The push of a robot at rest: forces at its contacts that balance its weight and leave some.
 
-At a driven contact the force is within the friction pyramid, mu along the belt or tyre and mu2 across; at any other one
-friction is against the motion. The largest margin s of forward force, in shares of the weight, is a linear programme:
+At a driven contact the force is within the friction pyramid, mu along the belt or tyre and mu2 across; at any other
+contact friction is against the motion. The largest margin s of forward force, in shares of the weight, is a linear
+programme:
 
     maximize s, such that   sum of f_k (d_k, x_k x d_k) = (s, 0, 1, 0, 0, 0),   f_k >= 0
 
@@ -48,7 +49,7 @@ def sample_heights(ground: PaddedGround, body: Body, settled: Settled, rows: Int
 def outermost(body: Body, relative: Singles, above: Singles, contacts: Ints) -> Ints:
     """Return the samples in contact that bear the robot or are outermost in a direction, (n, 3 + 8); -1 for none.
 
-    Of each part only its lowest samples count: next to them a round one is near the ground, but not in contact.
+    Of each part only the lowest samples count: a round part is near the ground next to them, but not in contact.
     """
     rows, columns = np.nonzero(above < TOUCHING)
     heights, of_part = above[rows, columns], rows * len(body.parts) + body.part[columns]
@@ -57,7 +58,7 @@ def outermost(body: Body, relative: Singles, above: Singles, contacts: Ints) -> 
     turns = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
     along = np.outer(relative[rows, 0, columns], np.cos(turns)) + np.outer(relative[rows, 1, columns], np.sin(turns))
     far = np.full((len(contacts), _DIRECTIONS), -1)
-    # Of several that are as far the first one stays, as it is written last.
+    # Of equally far samples the first one stays, as it is written last.
     at, turn = np.nonzero((along == _of_runs(np.maximum, along, rows))[::-1])
     far[rows[::-1][at], turn] = columns[::-1][at]
     return np.concatenate([contacts, far], axis=1)
@@ -73,6 +74,7 @@ def _of_runs(best: np.ufunc, values: Singles, of: Ints) -> Singles:
 
 def stands_easily(body: Body, settled: Settled) -> Mask:
     """Return which robots stand on three contacts of which each is driven and within its friction cone."""
+    # In the cone with some per cent to spare; a part without friction, as a caster, on level ground.
     up = -np.einsum("nj,ncj->nc", settled.axes[:, 2], body.normals[settled.contacts])
     mu = np.array([part.mu for part in body.parts])[body.part[settled.contacts]]
     drives = body.drives[settled.contacts]
@@ -84,8 +86,8 @@ def stands_easily(body: Body, settled: Settled) -> Mask:
 def force_margin(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
     """Return the forward force that each robot has left, in shares of its weight, (n,); SLIDING if nothing balances.
 
-    Where it stands easily, it is only known not to be negative, and given as 0. Of a robot that does not move, friction
-    holds the parts that are not driven too.
+    Where a robot stands easily, its margin is only known not to be negative, and is 0. If it does not move, friction
+    also holds the parts that are not driven.
     """
     result = np.zeros(len(settled.x))
     hard = np.flatnonzero(~stands_easily(body, settled))
@@ -105,6 +107,7 @@ def _force_margins(ground: PaddedGround, body: Body, settled: Settled, rows: Int
     c, s = np.cos(settled.yaw[rows]), np.sin(settled.yaw[rows])
     heading = np.stack([np.stack([c, s, 0 * c], 1), np.stack([-s, c, 0 * c], 1), np.tile([0.0, 0, 1], (len(c), 1))], 1)
     at, force = at @ np.swapaxes(heading, 1, 2), force @ np.swapaxes(heading, 1, 2)
+    # Forward within the plane of the contact; upward on a wall straight ahead, as a tyre or belt drives up it.
     along = np.array([1.0, 0, 0]) - force * force[..., :1]
     length = np.linalg.norm(along, axis=2, keepdims=True)
     along = np.where(length > 1e-6, along / np.maximum(length, 1e-6), np.array([0, 0, 1.0]))
@@ -118,6 +121,7 @@ def _force_margins(ground: PaddedGround, body: Body, settled: Settled, rows: Int
         for j in (-1, 1)
     ]
     directions = np.concatenate(edges, axis=1)
+    # Moments in half lengths of the robot, to be of the size of forces: one tolerance is for both.
     moments = np.cross(np.tile(at, (1, 4, 1)), directions) / max(body.length / 2, 1e-3)
     columns = np.swapaxes(np.concatenate([directions, moments], axis=2), 1, 2)
     columns[np.tile(chosen < 0, (1, 4))[:, None, :].repeat(6, axis=1)] = 0.0
@@ -125,9 +129,10 @@ def _force_margins(ground: PaddedGround, body: Body, settled: Settled, rows: Int
 
 
 def _largest_margin(columns: Array) -> Array:
-    """Return the largest s for wrenches (n, 6, k); SLIDING where there is none."""
+    """Return the largest s for wrenches (n, 6, k); SLIDING where no forces balance the weight."""
     count, rows, wrenches = columns.shape
     # A table: wrenches, s forward and s backward, artificial forces, right side; the last row is the cost.
+    # The right side is a little perturbed: with ties the algorithm could go round in a circle.
     right = np.array([0, 0, 1.0, 0, 0, 0]) + 1e-7 * np.arange(1, rows + 1)
     table = np.zeros((count, rows + 1, wrenches + 2 + rows + 1))
     table[:, :rows, :wrenches] = columns
@@ -139,6 +144,7 @@ def _largest_margin(columns: Array) -> Array:
     table[:, rows, -1] = -_ARTIFICIAL * right.sum()
     live = np.arange(count)
     result = np.full(count, SLIDING)
+    # Each robot exchanges the column with the least cost for the row with the least ratio; those that are done leave.
     for _ in range(_ITERATIONS):
         entering = table[:, rows, : wrenches + 2].argmin(axis=1)
         index = np.arange(len(live))

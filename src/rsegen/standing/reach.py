@@ -1,9 +1,10 @@
 """Reach of a robot on a field: its largest region, its poses there, and its shortest ways across.
 
-The largest region needs all turns, but few moves: with the moves that are known to be driven, and with all that may
-be, the strongly connected components are bounds, and a move between two components of the first in one of the second is
-driven only where that one is as large as the largest known. First those are that connect each component with one
-before it, as a tree. So edges are looked at as lazily as in lazy searches (Bohlin and Kavraki 2000).
+The largest region needs all turns, but few moves. The moves known to be driven form strongly connected components that
+can only grow; with all moves that may be driven the components can only shrink. A move is driven only if it leads
+between two known components within one possible component, and that one is as large as the largest known. Moves that
+connect each component with one before it, as a tree, come first. So edges are looked at as lazily as in lazy searches
+(Bohlin and Kavraki 2000).
 
     (a b)--?->(c d)           known: a and b, c and d are each one part; that a move leads from b to c is possible
       ^---?-----'             and one from d to a: all four may be one part, so both are driven
@@ -49,7 +50,7 @@ class Reach:
 
 
 _TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 8192, 2048, 128
-"""Places whose turns, and moves that, are found together in the search for a region: a second of work; and moves at
+"""Places whose turns are found together in the search for a region, and moves at most: a second of work; and moves at
 least, as fewer cost as much."""
 
 _TURNING = 0.2
@@ -73,7 +74,7 @@ def reach(field: StepField, body: Body, watch: Watch = unwatched) -> Reach:
 def region_of(lattice: Lattice) -> Mask:
     """Return the largest set of blocks on which the robot gets from every place and heading to every other.
 
-    Of several that are as large it is that with the first place. A move is driven only if it may change the set.
+    Of several largest sets it is the one with the first place. A move is driven only if it may change the set.
     """
     _turn_everywhere(lattice)
     tails, heads = lattice.all_moves
@@ -110,7 +111,7 @@ def _straight_lines(lattice: Lattice, axis: int) -> Array:
 
 
 def _turn_everywhere(lattice: Lattice) -> None:
-    """Find all turns."""
+    """Find all turns of a lattice, and so all poses at its places."""
     places = np.arange(lattice.turns.size)
     for begin in range(0, places.size, _TURNS_AT_ONCE):
         lattice.turn_at(places[begin : begin + _TURNS_AT_ONCE])
@@ -118,15 +119,15 @@ def _turn_everywhere(lattice: Lattice) -> None:
 
 
 def _components(lattice: Lattice, tails: Ints, heads: Ints) -> Ints:
-    """Return for each place the number of its strongly connected component, by all turns and some moves."""
+    """Return for each place the number of its strongly connected component, with all turns and some moves."""
     places, turns = np.arange(lattice.moves.size).reshape(lattice.moves.shape), lattice.turns.ravel()
     low, high = np.append(places.ravel(), tails), np.append(np.roll(places, -1, axis=2).ravel(), heads)
     is_turn = np.arange(len(low)) < places.size
     onward = np.append(turns, np.ones(len(tails), bool))
     group = strongly_connected(places.size, low, high, onward, onward & is_turn)
-    # By their first places.
-    _, first, number = np.unique(group, return_index=True, return_inverse=True)
-    return np.asarray(first[number])
+    # A component is numbered by its first place.
+    _, first, rank = np.unique(group, return_index=True, return_inverse=True)
+    return np.asarray(first[rank])
 
 
 def _cells(lattice: Lattice, group: Ints) -> Ints:
@@ -149,21 +150,23 @@ def _largest(lattice: Lattice, group: Ints) -> Mask:
 
 
 def _connecting(tails: Ints, heads: Ints, is_diagonal: Ints, is_open: Mask) -> Ints:
-    """Return the numbers of some of the open moves between parts: few, which are likely to make one part of many.
+    """Return the indices of a few open moves between parts that are likely to join many parts.
 
-    tails, heads: the parts that each move leads from and to, of open ones and of those that are known to be passed.
-    From each part one move leads to a part before it, by number, and one back, if there may be both; straight moves are
+    From each part one move leads to a part before it, by number, and one back, if both are possible; straight moves are
     chosen first, as they are shorter.
+    tails, heads: the parts that each move leads from and to, both of open moves and of those known to be passed
     """
+    # A pair is two parts with moves between them; it may become one part only if moves lead there and back.
     low, high, onward = np.minimum(tails, heads), np.maximum(tails, heads), tails < heads
     _, pair = np.unique(np.stack([high, low], axis=1), axis=0, return_inverse=True)
     pair = pair.ravel()
     leads, back = (np.bincount(pair[side], minlength=len(pair)) > 0 for side in (onward, ~onward))
-    number = np.flatnonzero(is_open)
-    number = number[np.lexsort((low[number], is_diagonal[number], ~(leads & back)[pair[number]], high[number]))]
-    _, first, part = np.unique(high[number], return_index=True, return_inverse=True)
-    best = np.flatnonzero(pair[number] == pair[number][first][part])
-    _, once = np.unique(2 * part[best] + onward[number][best], return_index=True)
+    moves = np.flatnonzero(is_open)
+    moves = moves[np.lexsort((low[moves], is_diagonal[moves], ~(leads & back)[pair[moves]], high[moves]))]
+    # Of each later part the best pair, and of that one move in each direction.
+    _, first, part = np.unique(high[moves], return_index=True, return_inverse=True)
+    best = np.flatnonzero(pair[moves] == pair[moves][first][part])
+    _, once = np.unique(2 * part[best] + onward[moves][best], return_index=True)
     # Enough of them to be worth the cost of a call.
-    order = np.concatenate([best[once], np.delete(np.arange(len(number)), best[once])])
-    return np.asarray(number[order[: max(len(once), _LEAST_MOVES)]])
+    order = np.concatenate([best[once], np.delete(np.arange(len(moves)), best[once])])
+    return np.asarray(moves[order[: max(len(once), _LEAST_MOVES)]])

@@ -1,10 +1,9 @@
-"""`rsegen.poses`: how a robot stands at places of a field: pose, contacts, clearance, stability, and what it can do.
+"""`rsegen.poses`: pose, contacts, clearance and stability of a robot at places of a field, and whether it can drive on.
 
 A robot tips over an edge of its support polygon when its centre of mass is above that edge. With the centre of mass h
 above the edge and r next to it, that is after a turn by atan(r / h), for which it is lifted by sqrt(h^2 + r^2) - h: the
-angle and the energy to tip (Messuri and Klein, IEEE Journal of Robotics and Automation 1985). The polygon is that of
-its outermost contacts. Cost: 80 to 130 microseconds a pose. What breaks it: nothing moves, so it says nothing of
-momentum.
+angle and the energy to tip (Messuri and Klein, IEEE Journal of Robotics and Automation 1985). The polygon is the hull
+of its outermost contacts. Cost: 80 to 130 microseconds a pose. What breaks it: momentum, as nothing moves here.
 """
 
 from __future__ import annotations
@@ -96,7 +95,7 @@ class Poses:
 def resting_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> Poses:
     """Return the robot at rest at each x, y [m] and heading [rad]; scalars and arrays go together as in numpy.
 
-    ParameterError for a number that is none, and for a place outside the field.
+    ParameterError for a value that is not a finite number, and for a place outside the field.
     """
     at_x, at_y, yaw = places(field, body, x, y, heading)
     ground = PaddedGround.of(field, outer_radius(body))
@@ -104,15 +103,15 @@ def resting_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, head
 
 
 def places(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> tuple[Array, Array, Array]:
-    """Return places of a field [m] and headings [rad] as arrays of one length; errors as of `resting_poses`."""
+    """Return places of a field [m] and headings [rad] as arrays of one length; errors as in `resting_poses`."""
     if body.length > max(field.extent):
         along, across = field.extent
         raise ParameterError("robot", f"is {body.length:.3g} m long, longer than the map of {along:g} x {across:g} m")
-    given = [_numbers(name, values) for name, values in (("x", x), ("y", y), ("heading", heading))]
+    arrays = [_numbers(name, values) for name, values in (("x", x), ("y", y), ("heading", heading))]
     try:
-        at_x, at_y, yaw = (np.ravel(array) for array in np.broadcast_arrays(*given))
+        at_x, at_y, yaw = (np.ravel(array) for array in np.broadcast_arrays(*arrays))
     except ValueError:
-        shapes = ", ".join(str(array.shape) for array in given)
+        shapes = ", ".join(str(array.shape) for array in arrays)
         raise ParameterError("", f"x, y and heading of shapes {shapes} do not go together; use one length") from None
     for name, values, extent in (("x", at_x, field.extent[0]), ("y", at_y, field.extent[1])):
         outside = values[np.abs(values) > extent / 2]
@@ -132,7 +131,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
 
 
 def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
-    """Return the poses of robots at rest, with all that follows from them."""
+    """Return the poses of robots at rest, with their contacts, clearance and stability."""
     contacts, loads, support, clearance, angle, energy = _all_measured(ground, body, rest)
     # Settling works with the centre of mass; a pose is of the robot's origin, as simulators have it.
     origin = -np.einsum("nij,j->ni", rest.axes, body.centre)
@@ -189,12 +188,13 @@ def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tu
     chosen = outermost(body, relative, above, bearing)
     corners = relative[index, :, chosen].astype(np.float64)
     corners[chosen < 0] = np.nan
+    # In each direction the farthest corner; the least of these distances is the one to the nearest edge of the polygon.
     turns = np.arange(_EDGES) * 2 * np.pi / _EDGES
     along = corners[..., 0, None] * np.cos(turns) + corners[..., 1, None] * np.sin(turns)
     aside = np.maximum(np.nanmax(np.where(np.isnan(along), -np.inf, along), axis=1).min(axis=1), 0.0)
     high = np.where(np.isnan(corners[..., 2]), 0.0, -corners[..., 2]).sum(axis=1)
     high = np.maximum(high / np.maximum((chosen >= 0).sum(axis=1), 1), 1e-6)
-    # What drives, and the parts of the three contacts, are on the ground as they should be; the rest is above it.
+    # Driven parts, and the parts of the three contacts, should touch the ground; clearance is for all others.
     bears = (body.part == body.part[bearing][..., None]).any(axis=1)
     clearance = np.where(body.drives | bears, np.inf, above).min(axis=1)
     return (

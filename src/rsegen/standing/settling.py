@@ -1,4 +1,4 @@
-"""Poses in which a robot rests: its potential energy is least, so its centre of mass is above three of its contacts.
+"""Poses in which a robot rests: with least potential energy, so with its centre of mass above three of its contacts.
 
 1. With the centre of mass over (x, y), the heading and a tilt given, each sample of the underside, at (u, v) from the
    centre of mass, demands that it is at least g = ground below the sample minus the sample's height there.
@@ -20,14 +20,15 @@ In a section along u, with two contacts in place of three:
                       0
 
 Some thousand robots are turned at once, and those that rest make room for others. Samples are in groups of neighbours
-(body.py). At first one of each group is looked at; their three contacts are near enough to tell which groups count.
-Then a look at all samples in turn with rounds of few: with all, the robot rests if none is above the plane of its
-contacts and that plane is level; if not, the groups that are highest above or least below it are the few, until the
-robot is still, or turned so far that others may count. Cost: 20 to 50 microseconds a pose in thousands, most where a
-robot leans against blocks, and some 13 milliseconds a call of a hundred, as a few take all rounds. What breaks it:
-robots that stand equally well in two ways, as one with four wheels and its centre of mass on the diagonal; it takes one
-of them (stable.py finds the others). And a part against the side of a block: it goes to and fro over the edge, with
-shorter turns, and ends there before it is still.
+(body.py). At first one sample of each group is looked at; their three contacts are near enough to tell which groups
+count. Then looks at all samples alternate with rounds of few samples. In a look at all, the robot rests if no sample is
+above the plane of its contacts and that plane is level. If not, the few are the groups that are highest above that
+plane or least below it; the robot is turned on them until it is still, or turned so far that other groups may count.
+
+Cost: 20 to 50 microseconds a pose in thousands, most where a robot leans against blocks, and some 13 milliseconds a
+call of a hundred, as a few take all rounds. What breaks it: robots that stand equally well in two poses, as with four
+wheels and the centre of mass on a diagonal; one of the poses is taken (stable.py finds the others). And a part against
+the side of a block: it goes to and fro over the edge, with shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
@@ -60,8 +61,8 @@ _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
 _EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
-"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left: to
-copy a row costs more than to look at it."""
+"""Exchanges at most; metres by which a sample may be above the plane; share of robots still in exchange at which the
+others are left out: to copy a row costs more than to look at it."""
 
 _FAR, _DEEP = 1e3, -5e4
 """Three far samples, metres away, so deep that any other one is above them: the first three."""
@@ -96,7 +97,7 @@ class Settled:
         return np.asarray(np.arctan(np.hypot(*self.slope.T)))
 
     def some(self, rows: slice | Ints) -> Settled:
-        """Return some of them."""
+        """Return the robots of some rows."""
         return Settled(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
@@ -108,7 +109,7 @@ def joined(parts: Sequence[_Rows]) -> _Rows:
 
 
 def outer_radius(body: Body) -> float:
-    """Return the radius around its centre of mass that holds a whole robot, metres."""
+    """Return the radius of the sphere about its centre of mass that holds a whole robot, metres."""
     return float(np.linalg.norm(body.points - body.centre, axis=1).max())
 
 
@@ -153,6 +154,7 @@ def axes(slope: Array, yaw: Array) -> Array:
 
 def _axes(slope: Array, c: Array, s: Array) -> Array:
     """Return the robot's axes as columns, (3, 3, n), for slopes (2, n) and the cosines and sines of the headings."""
+    # Forward (c, s, along) and upright (-a, -b, 1), both normalized; left is upright x forward.
     a, b = slope
     along = a * c + b * s
     length, high = 1 / np.sqrt(1 + along**2), 1 / np.sqrt(1 + a**2 + b**2)
@@ -165,9 +167,9 @@ def _axes(slope: Array, c: Array, s: Array) -> Array:
 class _Turning:
     """Robots that are turned on few samples each, n of them.
 
-    rows: (n,), their numbers; columns: (n, k), the samples, with the contacts and the far ones last; few: (n, 3, k),
-    these from the centre of mass; three: (3, n), which of them are the contacts; before: (2, n), the slopes from which
-    they are turned
+    rows: (n,) their numbers; columns: (n, k) the few samples, the last six of them the contacts and the far ones
+    few: (n, 3, k) positions of these from the centre of mass; three: (3, n) which of the k are the contacts
+    before: (2, n) slopes at the last look at all samples
     """
 
     rows: Ints
@@ -177,13 +179,13 @@ class _Turning:
     before: Array
 
     def some(self, going: Ints) -> _Turning:
-        """Return some of them."""
+        """Return the robots of some rows."""
         return _Turning(
             self.rows[going], self.columns[going], self.few[going], self.three[:, going], self.before[:, going]
         )
 
     def joined(self, others: _Turning) -> _Turning:
-        """Return them and others."""
+        """Return these robots and others, one after the other."""
         if not len(self.rows):
             return others
         return _Turning(
@@ -217,6 +219,7 @@ class _Settling:
 
     def settle(self) -> None:
         """Turn the robots until they are still."""
+        # Each robot is put down, then waits for a look at all samples or is turned on few; `looks` and `rounds` end it.
         begun, count, waiting = 0, len(self.turn), np.empty(0, np.intp)
         turning = self.look_at_all_samples(waiting)
         while begun < count or len(waiting) or len(turning.rows):
@@ -256,7 +259,7 @@ class _Settling:
         share = np.where(same, 1.0, _DAMPED ** np.maximum(self.rounds[rows] - _DAMPED_ROUNDS + 1, 1))
         steep = np.hypot(a, b)
         share = np.minimum(share, _MOST_TURN / np.maximum(steep, 1e-12))
-        # Where a far one is among the three, these samples do not tell; the next look does.
+        # With a far one among the three the few samples do not surround the origin; the next look takes others.
         share[(own >= self.points.shape[1] - 3).any(axis=0)] = 0.0
         self.height[rows], self.turn[rows] = c, steep
         self.slope[:, rows] = slope = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
@@ -267,8 +270,8 @@ class _Settling:
     def look_at_all_samples(self, rows: Ints) -> _Turning:
         """Return the robots that neither rest nor tip over, with the samples of each on which they turn next."""
         samples, count = self.points.shape[1] - 3, min(_NEAR, self.groups)
-        # As a robot is turned its contacts move. Where they are no longer around it, they tell no plane, and it goes on
-        # with the samples that are highest as it stands.
+        # As a robot is turned its contacts move. Where they no longer surround its centre, their plane is of no use,
+        # and it goes on with the samples that are highest as it stands.
         turned, three = self.axes(rows), self.three[:, rows]
         at = np.einsum("ijn,jkn->ikn", turned[:2], self.points[:, three])
         lost = ~_surrounds(at)
@@ -284,6 +287,7 @@ class _Settling:
         tips = (three >= samples).any(axis=0) | (np.hypot(*self.slope[:, rows]) > _LOST)
         is_open = (self.rounds[rows] < _ROUNDS) & (self.looks[rows] <= _LOOKS)
         goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
+        # The few: all members of the groups nearest to the plane, then the contacts, then the three far samples.
         nearest = np.argpartition(of_groups[goes_on], -count, axis=1)[:, -count:]
         members = samples // self.groups
         columns = np.empty((len(goes_on), members * count + 6), np.intp)
@@ -296,7 +300,7 @@ class _Settling:
         return self.turning(rows[goes_on], columns)
 
     def highest_of_groups(self, rows: Ints, turned: Array, plane: Array) -> Singles:
-        """Return how high the highest sample of each group is above the slope of a plane at the origin, (n, groups)."""
+        """Return how high the highest sample of each group is above a plane moved to the origin, (n, groups)."""
         samples, groups = np.ascontiguousarray(self.points[:, :-3]), np.empty((len(rows), self.groups), SINGLE)
         scaled, normals, middle = self.scaled(turned), _normals(turned, plane), self.middle[:, rows]
         every = _of_each(samples, len(rows))
@@ -338,12 +342,13 @@ class _Settling:
 
 
 def _of_each(array: _Rows, count: int) -> _Rows:
-    """Return an array as that of each of some robots, without a copy."""
+    """Return the same array for each of some robots, (count, ...), without a copy."""
     return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
 
 
 def _times(axes: Singles, few: Singles) -> Singles:
     """Return products of k axes of each robot and its samples, (n, k, 3) and (n, 3, m): (n, k, m)."""
+    # All robots have the same samples (`_of_each`): one large product in place of many small ones.
     if few.strides[0] == 0 and len(few):
         return np.asarray((axes.reshape(-1, 3) @ few[0]).reshape(*axes.shape[:2], few.shape[2]))
     return np.asarray(axes @ few)
@@ -358,21 +363,21 @@ _AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) 
 
 
 def _placed(under: Singles, few: Singles, turned: Array, rows: Ints, columns: Ints) -> Array:
-    """Return u, v and g of a sample of each row, (3, n), or of k of them, (3, k, n), by columns (n,) or (k, n)."""
+    """Return u, v and g of one sample of each robot, (3, n), or of k, (3, k, n); columns: which, (n,) or (k, n)."""
     placed: Array = np.einsum("ijn,...nj->i...n", turned, few[rows, :, columns])
     np.subtract(under[rows, columns], placed[2], out=placed[2])
     return placed
 
 
 def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
-    """Return a, b, c of the plane through three samples around the origin, (3, n), which no sample is above.
+    """Return a, b, c of the plane through three samples around the origin with no sample above it, (3, n).
 
-    three: (3, n), where to begin; they become the three.
+    three: (3, n), the samples to begin with; overwritten with those of the plane
     """
     count, far = under.shape[0], under.shape[1] - 3
     rows = np.arange(count)
     corners = _placed(under, few, turned, rows, three)
-    # The contacts of the round before have moved as the robot was turned; where the origin left them, from afar again.
+    # The contacts of the round before have moved as the robot was turned; those no longer around the origin start anew.
     left = np.flatnonzero(~_surrounds(corners))
     if len(left):
         three[:, left] = np.arange(far, far + 3)[:, None]
@@ -381,10 +386,11 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
     for _ in range(_EXCHANGES):
         through = _through(corners)
         highest, above = _highest(under, few, turned, through)
-        # One of the three is above their plane by rounding alone: far ones by millimetres.
+        # One of the three themselves is above their plane by rounding alone, a far one by millimetres: it never enters.
         rises = (above - through[2] > _ABOVE) & (own != highest).all(axis=0)
         rising = np.flatnonzero(rises)
         highest = highest[rising]
+        # Once most robots are done, their planes are kept, and only the others go on.
         if len(rising) <= _SHARE * len(rows):
             plane[:, rows], three[:, rows] = through, own
             rows, under, few, turned = rows[rising], under[rising], _some(few, rising), turned[:, :, rising]
@@ -402,13 +408,13 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
 
 
 def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
-    """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
+    """Return how high samples are above a plane moved to the origin, (n, m): in the plane itself they are at its c."""
     over = _times(_normals(turned, plane)[:, None], few)[:, 0]
     return np.asarray(np.subtract(under, over, out=over))
 
 
 def _normals(turned: Array, plane: Array) -> Singles:
-    """Return the normals of planes in the robots' axes, (n, 3), with a length such that they give heights."""
+    """Return the vectors, in the robots' axes, whose products with samples are heights above planes, (n, 3)."""
     return np.asarray((turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T, SINGLE)
 
 
@@ -448,6 +454,7 @@ def _through(corners: Array) -> Array:
 
 def _least_share(new: Array, corners: Array) -> Array:
     """Return the least barycentric coordinate of the origin in the triangles of a new point and each side, (3, n)."""
+    # Negative where the origin is outside of a triangle; a triangle without area is out of the question.
     of_new = _areas(corners)
     before = new[0] * corners[1] - new[1] * corners[0]
     after = -before[_NEXT]

@@ -1,8 +1,8 @@
 """Spots: places at which a robot stands level and firmly, and from which it can drive away, drawn at random.
 
 1. Places are drawn: half of them at centres, edges and corners of cells with one of 16 headings, as platforms have
-   them, the others anywhere. Those come first where the ground is level below the robot's feet, its contacts on level
-   ground, and nowhere too high; of these, those where it is so ahead too, the more the better: some look-ups each.
+   them, the others anywhere. Places with level ground below the robot's feet (its contacts on level ground) and no
+   block too high come first, and of these the ones with the most level ground ahead: some look-ups each.
 2. There the robot is put down (settling.py). It must stand within the largest tilt, on its feet and driven parts alone,
    not on a frame, far from tipping over, and be able to push itself on (resting.py, pushing.py).
 3. It must drive away: ahead, over a lane a little longer than itself (lanes.py), without tilting or falling so far that
@@ -50,13 +50,13 @@ _SETTLED, _MORE = 600, 60
 """Places at which the robot is put down at most, and more of them for each spot: some tenths of a second."""
 
 _LEAST_UNEVEN = 256
-"""Places with other ground at which it is put down at last, the least uneven ones first."""
+"""Other places at which it is put down at last, the least uneven ones first."""
 
 _LANES, _MORE_LANES = 48, 6
 """Places from which it is driven away at most, and more of them for each spot: 20 milliseconds a lane."""
 
 _LOOKED_AT = 2000
-"""Places with level ground of which the room ahead is looked at, and the roomiest are taken first."""
+"""Places with level ground for which the room ahead is looked at; the roomiest are taken first."""
 
 
 def find_spots(  # noqa: PLR0913  # the last three by name
@@ -71,8 +71,8 @@ def find_spots(  # noqa: PLR0913  # the last three by name
 ) -> tuple[Spot, ...]:
     """Return `count` spots at least `gap` metres apart; most_tilt: the largest tilt there, radians.
 
-    evenest: if there are too few, take places where the robot stands at all, with what is wrong about them: those first
-    that were refused last, and of these the least tilted. ParameterError if there are too few.
+    evenest: if they are too few, take other places where the robot stands, with what is wrong about them: first those
+    that failed the latest check, and of these the least tilted. ParameterError if these are too few as well.
     """
     if not fits(field, body):
         n_x, n_y = field.shape
@@ -83,9 +83,9 @@ def find_spots(  # noqa: PLR0913  # the last three by name
 
 
 class _Search:
-    """A search for spots: the places that are drawn, the spots that are chosen, and places that are none.
+    """A search for spots: it draws places, and chooses or refuses them.
 
-    drawn: (3, n), random numbers of each place; lanes: places from which the robot may still be driven away
+    drawn: (3, n), random numbers of each place; lanes: how many places the robot may still be driven away from
     """
 
     def __init__(self, judge: SpotJudge, count: int, rng: np.random.Generator, gap: float) -> None:
@@ -93,7 +93,7 @@ class _Search:
         self.drawn, self.outline = rng.random((3, _DRAWN)), Outline.of(judge.body)
         self.lanes = _LANES + _MORE_LANES * count
         self.chosen: list[Spot] = []
-        self.others: list[Place] = []
+        self.refused: list[Place] = []
 
     @property
     def is_over(self) -> bool:
@@ -127,19 +127,19 @@ class _Search:
             at, _ = self.places(order[begin : begin + _AT_ONCE])
             for fault, spot in self.judge.put_down(self._free(at)):
                 if fault is not Fault.NONE:
-                    self.others.append((fault, spot))
+                    self.refused.append((fault, spot))
                 elif self._is_free(spot):
                     self.drive_away(spot)
                     if self.is_over:
                         return
 
     def drive_away(self, place: Spot) -> None:
-        """Choose the spot of a place, if the robot leaves it."""
+        """Choose the spot at a place if the robot can leave it, else refuse it."""
         self.lanes -= 1
         if spot := self.judge.left(place):
             self.chosen.append(spot)
         else:
-            self.others.append((Fault.CAUGHT, replace(place, reason=Fault.CAUGHT.reason(0, 0))))
+            self.refused.append((Fault.CAUGHT, replace(place, reason=Fault.CAUGHT.reason(0, 0))))
 
     def places(self, numbers: Ints) -> tuple[At, Mask]:
         """Return places by their numbers, every second one on a half cell with a heading of 16; and which are inside.
@@ -168,9 +168,9 @@ class _Search:
         return numbers[inside], some(at, inside)
 
     def spots(self, *, evenest: bool) -> tuple[Spot, ...]:
-        """Return the spots; ParameterError if there are too few, also with the places at which it stands at all."""
+        """Return the spots; NoSpot if they are too few, with `evenest` also together with refused places."""
         if evenest:
-            for fault, spot in sorted(self.others, key=_by_fault_and_tilt):
+            for fault, spot in sorted(self.refused, key=_by_fault_and_tilt):
                 if len(self.chosen) < self.count and fault is not Fault.TIPS and self._is_free(spot):
                     self.chosen.append(spot)
         if len(self.chosen) == self.count:
@@ -178,11 +178,11 @@ class _Search:
         if self.chosen:
             enough = f"found spots for {len(self.chosen)} of {self.count} on this map"
             raise NoSpot("count", f"{enough}; use fewer, or {_HELP}")
-        reason = min(self.others, key=_by_fault_and_tilt)[1].reason
+        reason = min(self.refused, key=_by_fault_and_tilt)[1].reason
         raise NoSpot("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
 
     def _free(self, at: At) -> At:
-        """Return the places that are apart from all spots that are chosen."""
+        """Return the places that are apart from all chosen spots."""
         free = np.ones(len(at[0]), bool)
         for spot in self.chosen:
             free &= apart(self.outline, self.gap, *at, spot)
@@ -209,8 +209,8 @@ def spot_generator(seed: int) -> np.random.Generator:
 
 
 _SPARE = 0.002
-"""Metres that stay free below all that does not bear the robot on level ground: a TurtleBot3's wheel sinks 1 mm into
-the floor in Gazebo Classic (decision 8)."""
+"""Metres that stay free below all parts that do not bear the robot on level ground: a TurtleBot3's wheel sinks 1 mm
+into the floor in Gazebo Classic (decision 8)."""
 
 _FIRM = 0.5
 """Share of its angle to tip over on level ground that a robot must have left, at a spot, and on the lane from it: it
@@ -229,8 +229,8 @@ _LOOKS = 4
 """Poses on a lane that are looked at before it is driven in small steps: steep ones need no more."""
 
 _ROOM = tuple((lengths, turn * pi / 8) for lengths in (1, 2) for turn in (-1, 0, 1))
-"""Lanes of these lengths of a robot, and turned to a side, are looked at for level ground: robots also steer, and where
-there is more room they go farther before something happens."""
+"""Lanes that are looked at for level ground, in lengths of a robot and turned to a side, radians: robots also steer,
+and with more room they go farther before something happens."""
 
 
 class Fault(IntEnum):
@@ -246,7 +246,7 @@ class Fault(IntEnum):
     NONE = 7
 
     def reason(self, tilt: float, tip_angle: float) -> str:
-        """Return it in words that follow "there it"; angles in degrees."""
+        """Return the reason in words that follow "there it"; angles in degrees."""
         return (
             "tips over",
             f"tilts by {tilt:.3g} degrees",
@@ -265,7 +265,7 @@ At = tuple[Array, Array, Array]
 
 
 def some(at: At, chosen: Ints | Mask | slice) -> At:
-    """Return some of the robots."""
+    """Return the chosen robots."""
     x, y, yaw = (values[chosen] for values in at)
     return x, y, yaw
 
@@ -274,7 +274,7 @@ class SpotJudge:
     """The conditions on a place on a field, for one body.
 
     feet: (k, 2), its outermost contacts on level ground, about its origin, metres; coarse: (m, 3), its lowest points
-    lowest, highest: heights of all cells that it may be above at each place; sunk: its depth in level ground, metres
+    lowest, highest: the least and largest height in reach of each cell; sunk: its depth in level ground, metres
     hanging: the samples that must touch nothing; level: the largest unevenness at a spot, metres
     lane, steep, fall: length of a lane, metres, the largest tilt on it, radians, and the highest fall in a step, metres
     """
@@ -308,16 +308,16 @@ class SpotJudge:
         around = np.zeros((1, 2))
         low, high = (self._below(ground, around, at, along, turn) for ground in (self.lowest, self.highest))
         level = np.asarray(high.max(axis=1) - low.min(axis=1) + self.sunk <= self.level)
-        (rest,) = np.nonzero(~level)
+        (undecided,) = np.nonzero(~level)
         for points in (self.feet[:: max(len(self.feet) // _FEW, 1)], self.feet):
-            feet = self._below(self.blocks, points, some(at, rest), along, turn)
+            feet = self._below(self.blocks, points, some(at, undecided), along, turn)
             differs = np.ptp(feet, axis=1)
             even = differs <= self.level
-            rest, feet, differs = rest[even], feet[even], differs[even]
-        over = self._below(self.ground, self.coarse, some(at, rest), along, turn) - np.tile(
+            undecided, feet, differs = undecided[even], feet[even], differs[even]
+        over = self._below(self.ground, self.coarse, some(at, undecided), along, turn) - np.tile(
             self.coarse[:, 2], len(along)
         )
-        level[rest] = differs + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0) <= self.level
+        level[undecided] = differs + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0) <= self.level
         return level
 
     def _below(self, ground: PaddedGround, points: Array, at: At, along: Sequence[float] | Array, turn: float) -> Array:
@@ -335,7 +335,7 @@ class SpotJudge:
         return room
 
     def least_uneven(self, at: At) -> Ints:
-        """Return all places, those first with even ground below the feet."""
+        """Return the indices of all places, the ones with the most even ground below the feet first."""
         differs = np.ptp(self._below(self.blocks, self.feet, at, (0.0,), 0.0), axis=1)
         return np.argsort(differs, kind="stable")
 
@@ -373,20 +373,20 @@ class SpotJudge:
         return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
 
     def left(self, place: Spot) -> Spot | None:
-        """Return the spot of a place, if a lane ahead is driven to its end from there, never steep, without a fall.
+        """Return the spot at a place, if a lane ahead is driven from there to its end, never steep, without a fall.
 
-        It is put down once more, where it rests: a place at the very edge of a block is none, and of two ways to stand
-        there the spot has the one in which it stands then.
+        The robot is put down once more where it rested, since its origin moved as it settled: a place at the very edge
+        of a block may not pass now, and of two poses it may take the other one, which then is the spot's.
         """
         at = np.array([place.x]), np.array([place.y]), np.array([place.yaw])
-        ((fault, rest),) = self.put_down(at)
-        # Only from where it still rests as a spot must is a lane driven, the dearest of the checks.
+        ((fault, spot),) = self.put_down(at)
+        # The lane is driven last, as it is the dearest check.
         if fault is not Fault.NONE:
             return None
         lanes = drive_lanes(self.ground, self.body, *at, self.lane)
         fall = -np.diff(lanes.poses.z).min(initial=0.0)
         is_left = lanes.passed[0] and not self._is_steep(lanes.poses).any() and fall <= self.fall
-        return replace(rest, x=place.x, y=place.y, yaw=place.yaw) if is_left else None
+        return replace(spot, x=place.x, y=place.y, yaw=place.yaw) if is_left else None
 
     def _is_steep(self, rest: Settled) -> Mask:
         return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))

@@ -1,4 +1,4 @@
-"""A robot on level ground: its pose there, and the parts that bear it; whatever else is low hangs above the ground."""
+"""The stance of a robot: its pose on level ground, and the parts that bear it there, or hang above the ground."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Stance:
 
 
 def stance_on(ground: PaddedGround, body: Body) -> Stance:
-    """Return how a robot stands on level ground that is as large as another one."""
+    """Return how a robot stands on level ground that is as large as a given one."""
     level, rest = settled_on_level(ground, body)
     _, above = sample_heights(level, body, rest, np.zeros(1, np.intp))
     heights = np.full(len(body.parts), np.inf)

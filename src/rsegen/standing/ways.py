@@ -16,9 +16,9 @@ from rsegen.standing.lanes import (
     Lanes,
     across,
     entry_distance,
-    step_of,
     steps_on,
     straight,
+    straight_length,
     surely_passed,
 )
 from rsegen.standing.resting import Poses, has_stood, of_settled
@@ -28,13 +28,14 @@ from rsegen.standing.settling import Settled, joined, outer_radius, settle
 @read_only_copies
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Way:
-    """The best way of a robot from the level ground on one side of a field to that on the other.
+    """The best way of a robot across a field, between the level ground on two opposite sides.
 
-    crosses: whether there is one; length: metres, with turns as the path of its sides; length_ratio: to straight across
-    tilt: the largest on it, and margin: the least turn by which it tips over on it, radians, at margin_at, metres
+    crosses: whether a way leads across
+    length: metres, where a turn counts as the path of the robot's sides; length_ratio: to straight across
+    tilt: the largest, and margin: the least turn that tips the robot over, radians, at the place margin_at, metres
     points: (k, 2), x and y of the robot's origin, metres, empty without a way
-    drops, slips: the places on it where the robot falls, or slides by itself, metres; they do not end it
-    reason: without a way, what ends the straight lane that gets farthest, and `at` which place, metres
+    drops, slips: the places where the robot falls, or slides by itself, metres; they do not end a way
+    reason: without a way, what ends the straight lane that gets farthest; at: the place where it ends, metres
     """
 
     crosses: bool
@@ -57,8 +58,8 @@ class Way:
 class DrivenWay:
     """A way between two places, pose by pose.
 
-    length: metres, with turns as the path of its sides; drops, slips: the numbers of the poses at which the robot
-    begins to fall, or to slide by itself
+    length: metres, where a turn counts as the path of the robot's sides
+    drops, slips: indices of the poses at which the robot begins to fall, or to slide by itself
     """
 
     length: float
@@ -68,15 +69,14 @@ class DrivenWay:
 
 
 _STRAIGHT, _APART = 4, 8
-"""Straight lanes across that are driven together at first, and steps between poses of all that are looked at before."""
-
+"""Straight lanes that are driven together at first, and steps between the few poses of a lane that bound its tilt."""
 
 _PLACES = 3
-"""Places that a sentence names: more hide the others."""
+"""Places that a sentence names at most."""
 
 
 def events(way: Any) -> list[str]:
-    """Return the drops on a way, and the slides, in words; way: what has `drops` and `slips`."""
+    """Return sentences on the drops of a way, and on its slides; way: anything with `drops` and `slips`."""
     sentences = []
     for verb, at in (("drops", way.drops), ("slides", way.slips)):
         named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
@@ -101,11 +101,12 @@ def worst_of(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | N
 
 
 def straight_way(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Way | None:
-    """Return the straight way with the least tilt, if there is one with room to spare; None if no lane is driven.
+    """Return the straight way with the least tilt, with room to spare if a lane has it; None if no lane is driven.
 
-    Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
     middles: of the lanes that may be driven, metres, by default of all
     """
+    # A few poses of each lane bound its largest tilt from below. Lanes are driven in the order of these bounds, in
+    # growing batches, until the best one that is driven tilts no more than any lane left can.
     middles = across(field, axis) if middles is None else middles
     passed, end = dict[int, Lanes](), 0
     narrow: Way | None = None
@@ -113,14 +114,15 @@ def straight_way(field: StepField, body: Body, axis: int, middles: Array | None 
     order = np.argsort(bounds, kind="stable")[: np.isfinite(bounds).sum()]
     while end < len(order):
         begin, end = end, max(2 * end, _STRAIGHT)
-        some, left = np.sort(order[begin:end]), bounds[order[end:]].min(initial=np.inf)
-        lanes = straight(field, body, axis, middles[some])
-        passed |= {int(some[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
+        batch, left = np.sort(order[begin:end]), bounds[order[end:]].min(initial=np.inf)
+        lanes = straight(field, body, axis, middles[batch])
+        passed |= {int(batch[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
         while passed:
             best = min(passed, key=lambda m: (float(passed[m].tilt[0]), m))
             lane = passed[best]
             if lane.tilt[0] >= left:
                 break
+            # An answer is driven again, with poses that follow each other, to either side, and by a careful robot.
             middle = middles[best : best + 1]
             lane = straight(field, body, axis, middle, follows=True)
             if lane.passed.all() and surely_passed(lane, field, body, axis, middle).all():
@@ -133,20 +135,24 @@ def straight_way(field: StepField, body: Body, axis: int, middles: Array | None 
 
 
 def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
-    """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
-    before = entry_distance(field, body, axis)
-    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
+    """Return a lower bound of the largest tilt on straight lanes, (L,), from some poses; infinite if one tips over."""
+    length = straight_length(field, body, axis)
     steps = int(steps_on(body, length))
-    along = np.arange(0, steps, _APART) * (length / steps) - before
+    along = np.arange(0, steps, _APART) * (length / steps) - entry_distance(field, body, axis)
     at: Array = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
     return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), len(along)).max(axis=1))
 
 
+def ends_across(field: StepField, body: Body, axis: int) -> tuple[float, float]:
+    """Return where a way across begins and ends along an axis: before the field, and just behind it, metres."""
+    return -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
+
+
 def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: float) -> Way:
     """Return the way along a straight lane across, at a place across [m]."""
-    low, high = -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
+    low, high = ends_across(field, body, axis)
     points = np.array([(low, middle), (high, middle)])
     return Way(
         crosses=True,
@@ -158,7 +164,7 @@ def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: flo
 
 
 def lane_way(lanes: Lanes, number: int, field: StepField, body: Body) -> Way:
-    """Return the way along one of all straight lanes from west to east, or what ends it."""
+    """Return the way along the straight lane of a number from west to east, or what ends it."""
     if not lanes.passed[number]:
         return no_way(lanes, body, number)
     return _way_along(lanes.lane(number), field, body, 0, float(across(field, 0)[number]))

@@ -1,8 +1,8 @@
-"""Robots of rsegen's, and of files, that learn to cross fields: a task, and worlds of it for those who train.
+"""Robots of rsegen, and of files, that learn to cross fields: a task, and worlds of it for trainers.
 
-crossing     Crossing: what such a robot sees, what it does, what it gets for that
+crossing     Crossing: observations, actions and rewards
 gymnasium    CrossingEnv: one world of MuJoCo
-worlds       CrossingWorlds: thousands of mujoco_warp, for trainers of torch
+worlds       CrossingWorlds: thousands of worlds of mujoco_warp, for trainers of torch
 """
 
 from rsegen.params.capabilities import Capability

@@ -1,13 +1,13 @@
-"""A robot on tracks or wheels that learns to cross fields: what it sees, what it does, what it gets for that.
+"""A robot on tracks or wheels that learns to cross fields: its observations, actions and rewards.
 
     crossing = Crossing(recipe, robot="crawler")
     CrossingEnv(crossing)             # of `gymnasium`: one world of MuJoCo
     CrossingWorlds(crossing, 4096)    # of `worlds`: thousands of mujoco_warp, on a GPU
 
-It begins west of a field, each time another one, and has to get behind the east end of it, as `rsegen drive` has it.
-Every `period` it chooses the speeds of both sides and the angles of its flippers (servos on which belts hang), and
-they are driven as in `rsegen drive`: belts with two frictions, motors with limits. The same arrays are computed for one
-world by numpy, and for thousands by torch on their device.
+It begins west of a field, each time another one, and has to get beyond the east end, as in `rsegen drive`. Every
+`period` it chooses its speed, its turn rate and the angles of its flippers (servos on which belts hang). They are
+driven as in `rsegen drive`: belts with two frictions, motors with limits. The same arrays are computed for one world by
+numpy, and for thousands by torch on their device.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ NAME = "robot"
 """The name of the robot in its worlds."""
 
 _AHEAD, _ASIDE, _APART = 0.8, 0.1, 0.1
-"""Metres that a robot sees before it, metres next to it, and the distance of the points that it sees."""
+"""Metres that a robot sees ahead, and to either side, and the distance between the points that it sees."""
 
 _SEES = 0.5
-"""Metres by which ground above or below the robot's origin is seen; what is beyond counts as that."""
+"""Metres above or below the robot's origin up to which ground is seen; higher or lower ground counts as that."""
 
 _TIPPED = 0.3
 """Cosine of the tilt from which on a robot lies on its side or back."""
@@ -81,7 +81,7 @@ class Outcome(NamedTuple):
 class Crossing:
     """A robot that crosses the fields of a recipe, which has no frames; ParameterError for one that cannot drive.
 
-    robot: a kind, or the file of a robot; uses_flippers: or they are held at rest
+    robot: a kind, or the file of a robot; uses_flippers: False to hold them at rest
     period: seconds between two choices; seconds: of an episode; flipper_speed: rad/s at most
     """
 
@@ -133,7 +133,7 @@ class Crossing:
 
     @cached_property
     def lane(self) -> tuple[float, float, float]:
-        """The x at which a robot starts, the x at which it is across, and half of the width that it may use, metres."""
+        """The x of the start, the x beyond which the robot is across, and half of the lane's width, metres."""
         body, block = self.driven.body_or_box, self.recipe.block_width_cm / 100
         length, width = (count * block for count in self.recipe.grid.shape)
         return -length / 2 - GAP - float(body.high[0]), length / 2 - float(body.low[0]), width / 2
@@ -149,14 +149,14 @@ class Crossing:
         return PlacedRobot(name=NAME, robot=self.driven, start=self.start(0.0, 0.0))
 
     def world(self) -> MujocoWorld:
-        """Return a world of MuJoCo with the robot at its start, and blocks that are all as high as the highest."""
+        """Return a world of MuJoCo with the robot at its start, and all blocks as high as the highest."""
         grid, highest = self.grid, self.grid.highest
         flat = compose(Recipe(name="flat", boundary="none", friction=self.recipe.friction))
         boxes = NamedBoxes(grid.name, grid.names, grid.pos(highest), grid.size(highest))
         return MujocoWorld(flat, [self.placed], period=float("inf"), gains=[turn_gain(self.driven)], boxes=boxes)
 
     def start(self, aside: float, heading: float) -> Pose:
-        """Return a start: aside and heading are from -1 to 1, of the `spread` of starts."""
+        """Return a start pose; aside, heading: from -1 to 1, as shares of `spread`."""
         return Pose(x=self.lane[0], y=aside * self.spread[0], z=DROP_HEIGHT, yaw=heading * self.spread[1])
 
     @cached_property
@@ -166,19 +166,19 @@ class Crossing:
         return max(self.lane[2] - float(body.high[1] - body.low[1]) / 2, 0.0), _HEADING
 
     def flippers(self, world: MujocoWorld) -> list[Flipper]:
-        """Return the flippers of the robot, none if they are held."""
+        """Return the flippers of the robot; empty if they are held at rest."""
         if not self.uses_flippers:
             return []
         (robot,), model = world.robots, world.model
         belts = {f"{NAME}/{link}" for link in (*robot.drive.left, *robot.drive.right)}
-        found = []
+        flippers = []
         for name, servo in robot.servos:
             joint = model.joint(name)
             if model.body(int(model.jnt_bodyid[joint.id])).name in belts:
                 low, high = joint.range if model.jnt_limited[joint.id] else (-pi, pi)
                 target_at = model.actuator(name).id
-                found.append(Flipper(int(joint.qposadr[0]), target_at, servo.rest, float(low), float(high)))
-        return found
+                flippers.append(Flipper(int(joint.qposadr[0]), target_at, servo.rest, float(low), float(high)))
+        return flippers
 
     # Arrays of all worlds, (worlds, ...), of numpy or torch.
 
@@ -192,12 +192,12 @@ class Crossing:
         library, action = library_of("action", action)
         low = array_like(action, [flipper.low for flipper in flippers], action.dtype)
         high = array_like(action, [flipper.high for flipper in flippers], action.dtype)
-        wanted = low + (high - low) * (action[..., 2:] + 1) / 2
+        chosen = low + (high - low) * (action[..., 2:] + 1) / 2
         most = self.flipper_speed * self.period
-        return targets + library.clip(wanted - targets, -most, most)
+        return targets + library.clip(chosen - targets, -most, most)
 
     def observe(self, qpos: Any, qvel: Any, angles: Any, action: Any, ground: Ground) -> Any:
-        """Return what the robot sees, (worlds, numbers): ground, tilt, speeds, heading, place, flippers, action.
+        """Return observations, (worlds, numbers): ground, tilt, speeds, heading, place, flippers, last action.
 
         qpos: (worlds, 7) of its origin; qvel: (worlds, 6); angles: of flippers; ground: of all worlds
         """
@@ -206,6 +206,7 @@ class Crossing:
         yaw = library.arctan2(turn[..., 1, 0], turn[..., 0, 0])[..., None]
         pattern = array_like(qpos, self.pattern, qpos.dtype)
         below = ground.scan(pattern, library.concatenate([qpos[..., :3], yaw], -1))
+        # A free joint has its velocity in the world's frame, and its turn rate in its own: here both are in its own.
         back = library.swapaxes(turn, -1, -2)
         ahead = (back @ qvel[..., :3, None])[..., 0]
         return library.concatenate(
@@ -213,7 +214,7 @@ class Crossing:
                 library.clip(below, -_SEES, _SEES) / _SEES,
                 turn[..., 2, :],  # up, in its own frame
                 ahead,
-                qvel[..., 3:6],  # MuJoCo has this one in its own frame
+                qvel[..., 3:6],
                 library.sin(yaw),
                 library.cos(yaw),
                 qpos[..., 1:2] / self.lane[2],
@@ -224,7 +225,7 @@ class Crossing:
         )
 
     def judge(self, before: Any, qpos: Any) -> Outcome:
-        """Return what became of robots in a period: their x before it, (worlds,), and their places after it."""
+        """Return the outcome of a period; before: x of the robots before it, (worlds,); qpos: poses after it."""
         library, qpos = library_of("qpos", qpos)
         _, finish, half = self.lane
         turn = _rotation(library, qpos[..., 3:7])

@@ -1,4 +1,4 @@
-"""Gymnasium: an environment in which a robot on tracks or wheels crosses fields, another one at each reset.
+"""Gymnasium environment in which a robot on tracks or wheels crosses fields, another field at each reset.
 
     env = CrossingEnv(Crossing(recipe, robot="crawler"))
     observation, info = env.reset(seed=7)    # info["map"] is the index of the map
@@ -68,7 +68,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         return self._observed()[0], self._info(is_across=False)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Drive for a period; ParameterError for an action of another shape or that is no number."""
+        """Drive for a period; ParameterError for an action of another shape, or with a value that is not finite."""
         if self._map < 0:
             raise gymnasium.error.ResetNeeded("reset the environment before its first step")
         crossing, data = self.crossing, self.world.data
@@ -80,10 +80,10 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         self.world.drive(NAME, crossing.driven, float(v[0]), float(w[0]))
         self.world.step(crossing.steps)
         self._periods += 1
-        found = crossing.judge(before, data.qpos[None, :7])
-        is_across, is_over = bool(found.is_across[0]), bool(found.is_across[0] | found.has_failed[0])
+        outcome = crossing.judge(before, data.qpos[None, :7])
+        is_across, is_over = bool(outcome.is_across[0]), bool(outcome.is_across[0] | outcome.has_failed[0])
         is_late = not is_over and self._periods >= crossing.periods
-        return self._observed()[0], float(found.reward[0]), is_over, is_late, self._info(is_across=is_across)
+        return self._observed()[0], float(outcome.reward[0]), is_over, is_late, self._info(is_across=is_across)
 
     def render(self) -> Any:
         """Return a picture of the robot on its map, uint8, (height, width, 3); None without a `render_mode`."""
@@ -98,13 +98,13 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
 
     def _checked(self, action: Any) -> Array:
         try:
-            given = np.asarray(action, dtype=float)
+            values = np.asarray(action, dtype=float)
         except (TypeError, ValueError):
-            given = np.empty(0)
-        if given.shape != self._action.shape[1:] or not np.isfinite(given).all():
+            values = np.empty(0)
+        if values.shape != self._action.shape[1:] or not np.isfinite(values).all():
             text = shown(action.tolist() if isinstance(action, np.ndarray) else action)
             raise ParameterError("action", f"{text}; expected {self._action.shape[1]} finite numbers from -1 to 1")
-        return np.asarray(np.clip(given, -1, 1)[None])
+        return np.asarray(np.clip(values, -1, 1)[None])
 
     def _observed(self) -> Array:
         data = self.world.data

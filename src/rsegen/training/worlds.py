@@ -1,10 +1,10 @@
-"""mujoco_warp: thousands of worlds in each of which a robot on tracks or wheels crosses fields, for trainers of torch.
+"""Thousands of worlds of mujoco_warp, in each of which a robot on tracks or wheels crosses fields, for torch.
 
     worlds = CrossingWorlds(Crossing(recipe, robot="crawler"), 4096, device="cuda:0")
     runner = rsl_rl.runners.OnPolicyRunner(worlds, settings, device="cuda:0")
 
-It is a VecEnv of rsl_rl (5.4), the trainer of mjlab and Isaac Lab: what is done begins anew at once, on another field.
-All of it stays on the device; at the end of a period one look tells which worlds begin anew.
+`CrossingWorlds` is a VecEnv of rsl_rl (5.4), the trainer of mjlab and Isaac Lab: a world that is done begins anew at
+once, on another field. All arrays stay on the device; after each period the host only reads which worlds begin anew.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _COUNT, _SEED = Integer(1), Integer(0, SEEDS - 1)
 class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for mypy
     """Worlds of a crossing; actions are as in `CrossingEnv`, observations are `policy`, (worlds, numbers).
 
-    maps: fields that are made ahead, by the recipe and this seed, among which each start draws; of a recipe of several
-    maps each comes as often as the others
-    ended: of the last period: which worlds `is_across`, `has_failed`, `is_late`, and the `map` that they had, (worlds,)
+    maps: number of fields that are built in advance, by the recipe and this seed; each start draws one of them. If the
+    recipe has several maps, these are repeated in equal numbers.
+    ended: of the last period, (worlds,) each: `is_across`, `has_failed`, `is_late`, the `map`, and `touched`
     touched: periods of the episode at whose end the robot touched blocks, (worlds,)
     """
 
@@ -46,15 +46,17 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self.crossing, self.device = crossing, device
         self.num_envs, self.max_episode_length = worlds, crossing.periods
         self.cfg = {"robot": crossing.driven.kind, "recipe": crossing.recipe.name, "worlds": worlds}
-        one = crossing.world()
-        self.flippers = crossing.flippers(one)
+        # One world is compiled, with all blocks as high as the highest; its copies get the levels of their fields.
+        compiled = crossing.world()
+        self.flippers = crossing.flippers(compiled)
         self.num_actions = 2 + len(self.flippers)
-        self.many = ManyWorlds(one, worlds, device=device)
-        self._blocks = BlocksOfWorlds(crossing.grid, one.model, self.many.model, self.many.data)
+        self.many = ManyWorlds(compiled, worlds, device=device)
+        self._blocks = BlocksOfWorlds(crossing.grid, compiled.model, self.many.model, self.many.data)
         recipe, random = crossing.recipe, np.random.default_rng(seed)
         indices = random.integers(SEEDS, size=maps) if recipe.maps == 1 else np.resize(recipe.indices, maps)
         self.levels = torch.as_tensor(build_many(recipe, indices.tolist()), device=device)
         self._random = torch.Generator(device).manual_seed(seed)
+        # Tensors of torch on the memory of Warp's arrays: what is written into them is in the simulation.
         state = self.many.data
         self._qpos, self._qvel, self._ctrl = (wp.to_torch(part) for part in (state.qpos, state.qvel, state.ctrl))
         self._still = [
@@ -77,7 +79,7 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self.begin(torch.arange(worlds, device=device))
 
     def begin(self, rows: Any, maps: Any = None) -> None:
-        """Have worlds begin anew, (rows,): on fields that are drawn, or on given ones of `levels`."""
+        """Begin worlds anew; rows: their indices; maps: indices of their fields in `levels`, by default drawn."""
         count, random = len(rows), {"generator": self._random, "device": self.device}
         self.map[rows] = torch.randint(len(self.levels), (count,), **random) if maps is None else maps
         levels = self.levels[self.map[rows]]
@@ -95,13 +97,13 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self._action[rows], self.episode_length_buf[rows], self.touched[rows] = 0, 0, 0
 
     def get_observations(self) -> Any:
-        """Return what robots see now."""
+        """Return the observations of all worlds now."""
         angles = self._qpos[:, self._angles_at]
         seen = self.crossing.observe(self._qpos[:, :7], self._qvel[:, :6], angles, self._action, self.ground)
         return TensorDict({"policy": seen}, batch_size=[self.num_envs], device=self.device)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, dict[str, Any]]:
-        """Drive for a period: observations, rewards, whether worlds have begun anew, and additional data of rsl_rl."""
+        """Drive for a period; return observations, rewards, which worlds have begun anew, and rsl_rl's extra values."""
         crossing = self.crossing
         if actions.shape != self._action.shape:
             problem = f"of shape {tuple(actions.shape)}; expected {tuple(self._action.shape)}"
@@ -116,13 +118,15 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self.many.step(crossing.steps)
         self.episode_length_buf += 1
         self.touched += wp.to_torch(self.many.touches(crossing.blocks)) > 0
-        found = crossing.judge(before, self._qpos[:, :7])
-        has_failed = found.has_failed | ~torch.isfinite(self._qpos).all(dim=-1)
-        is_late = ~(found.is_across | has_failed) & (self.episode_length_buf >= self.max_episode_length)
-        is_done = found.is_across | has_failed | is_late
-        rewards = torch.nan_to_num(found.reward)
+        # A world whose physics has failed counts as failed, and its reward, which may be NaN, as 0.
+        outcome = crossing.judge(before, self._qpos[:, :7])
+        has_failed = outcome.has_failed | ~torch.isfinite(self._qpos).all(dim=-1)
+        is_late = ~(outcome.is_across | has_failed) & (self.episode_length_buf >= self.max_episode_length)
+        is_done = outcome.is_across | has_failed | is_late
+        rewards = torch.nan_to_num(outcome.reward)
+        # What ended is noted before its worlds begin anew; observations are of the new starts, as rsl_rl wants them.
         self.ended = {
-            "is_across": found.is_across,
+            "is_across": outcome.is_across,
             "has_failed": has_failed,
             "is_late": is_late,
             "map": self.map.clone(),

@@ -40,7 +40,7 @@ export interface MadeFile {
 
 /* A prediction of whether a robot gets across a map, with its drives. */
 export interface DrawnCrossing {
-  text: string; // why there is none
+  text: string; // why nothing is predicted, else empty
   simulator: string; // with the model of motors
   sides: CrossingOfSide[];
   ways: Across[]; // of each drive: it crosses, or ends where the robot stayed
