@@ -330,7 +330,7 @@ class Ground:
         turn = np.pi / 2 if wide[0] == wide[1] else np.pi
         turns = rng.integers(round(2 * np.pi / turn), size=(*many, count))
         yaw = array_like(low, turns * turn, chance.dtype)
-        return library.stack([x, y, z + float(self.position[2]), yaw], -1)
+        return library.stack([x + 0 * yaw, y + 0 * yaw, z + float(self.position[2]), yaw], -1)
 
     def field(self, world: int = 0) -> StepField:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
