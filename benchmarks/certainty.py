@@ -347,11 +347,11 @@ def _counted_together(record: Mapping[str, Any]) -> dict[tuple[Any, ...], dict[s
 def summary(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield how often sure predictions are right, by simulator, and the groups in which they are less often right."""
     judged_by = _by_judge(record)
-    yield "| judged by | predictions | sure | of sure ones right | on lanes | on ways | >= 0.9: crossed | <= 0.1: crossed |"
+    yield "| judged by | predictions | sure | right | on lanes | on ways | >= 0.9: crossed | <= 0.1: crossed |"
     yield "|---|---|---|---|---|---|---|---|"
     for title, rows in judged_by.items():
         counts, by_route = _Counts.of(rows), _grouped(rows, ("route",))
-        routes = (by_route[route,].share_right for route in ("straight", "way"))
+        routes = (by_route[route,].share_right if (route,) in by_route else "" for route in ("straight", "way"))
         of_no = counts.of_sure - counts.of_yes
         crossed_no = of_no - (counts.right - counts.crossed)
         told_no = f"{crossed_no} of {of_no}"

@@ -48,6 +48,17 @@ def test_a_robot_that_was_judged_in_one_simulator_has_empty_cells_for_the_others
     assert line.endswith("|  |  |  |  |")
 
 
+def test_the_summary_names_groups_that_are_less_often_right() -> None:
+    row = dict(zip(COLUMNS, loaded()["rows"][0], strict=True)) | {"judge": "mujoco", "route": "straight", "of": 3}
+    ends = [("good", 0.96, 3), ("good", 0.04, 0), ("poor", 0.96, 1), ("poor", 0.04, 1), ("open", 0.5, 3)]
+    rows = [[*(row | {"robot": robot, "told": told, "crossed": crossed}).values()] for robot, told, crossed in ends]
+    lines = list(certainty.summary({"seed": 1, "earlier": [], "rows": rows}))
+    assert "| MuJoCo | 5 | 80% | 9 of 12 (75%) | 9 of 12 (75%) |  | 4 of 6 | 1 of 6 |" in lines
+    named = [line for line in lines if re.match(r"\| (good|poor|open)", line)]
+    alone = f"| poor, {row['unit_cm']:g} cm | MuJoCo | 3 of 6 (50%) | 3 of 6 (50%) |"
+    assert named == ["| poor | MuJoCo | 3 of 6 (50%) | 3 of 6 (50%) |", alone]
+
+
 def _counts(record: Mapping[str, Any]) -> dict[str, list[int]]:
     """Drives of sure predictions that were as told, and all, simulator by simulator, of the groups of records."""
     rows = [line for line in certainty._together(record) if " of " in line and line.startswith("|")]

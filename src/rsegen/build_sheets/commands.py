@@ -52,7 +52,7 @@ def add_sheet(command: Parser) -> None:
 
 
 def run_sheet(arguments: argparse.Namespace) -> Report:
-    """Make the sheets, and write them."""
+    """Write the build sheet, as PDF, CSV or both."""
     from rsegen.build_sheets.document import sheet_format, write_sheets
 
     paths = [Path(arguments.output)]

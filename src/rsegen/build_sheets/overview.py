@@ -35,6 +35,7 @@ _ABREAST = 3
 
 def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
     """Draw the cut list above `bottom`, counting what does not fit; return the y of the next line."""
+    # One level per line with its swatch, or several if they do not fit; below the line their sum, and empty cells.
     (x, y), written = place, page.written
     columns = [x + 20, x + 40, x + 60, x + COLUMN]
     y = page.heading(x, y, "Blocks to cut", COLUMN)
@@ -84,7 +85,7 @@ _BROAD = 30
 
 
 def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], needed: Materials) -> None:
-    """Draw the whole page."""
+    """Draw the overview: the map, and below it, in two columns, what to cut and how."""
     _draw_head(page, scene, len(pallets))
     top = _draw_map(page, scene, pallets) + 12
     below = draw_cut_list(page, scene, scene.field, (page.left, top), page.bottom)
@@ -252,7 +253,7 @@ _STEPS = (
 
 
 def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
-    """Draw the whole page."""
+    """Draw the page of materials, with the steps of building."""
     settings, written = needed.blocks.settings, page.written
     page.text(page.left, 22, "Frames, bases and cost", 20, fontweight="bold")
     page.fitted((page.left, 29), scene.name, 9, page.across)

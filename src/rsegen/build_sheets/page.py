@@ -70,6 +70,7 @@ class Page:
         drawn = get_font(findfont(font))
         known = "".join(letter if drawn.get_char_index(ord(letter)) else "?" for letter in text)
         plain = known.replace("$", "S")  # which a path of a text would take for a formula
+        # matplotlib knows the width of a text only once it is drawn, but the one of its outline at once.
         width = TextPath((0, 0), plain, prop=font).get_extents().width if plain.strip() else 0.0
         self.text(*place, known, size * min(1.0, room / POINT / max(width, 1)), **style)
 
@@ -163,6 +164,7 @@ class PrintedPlan:
         colours = [block_colour(self.scene, level) for level in self.field.levels[blocks].tolist()]
         squares = PolyCollection(list(self._corners(*blocks)), facecolors=colours, edgecolors=INK, linewidths=line)
         self.page.paper.add_collection(squares, autolim=False)
+        # From each corner of an empty cell a line runs towards its middle.
         corners = self._corners(*np.nonzero(~self.field.frame & (self.field.levels == 0)))
         middles = corners.mean(axis=1, keepdims=True)
         marks = np.stack([corners, corners + _MARKED * (middles - corners)], axis=2).reshape(-1, 2, 2)
@@ -170,6 +172,7 @@ class PrintedPlan:
 
     def _corners(self, i: Ints, j: Ints) -> Array:
         """Return the corners of cells on the page in order, shape (m, 4, 2)."""
+        # Upper left corners, as y of a page grows downwards; then clockwise on the page.
         x, y = self.left + i * self.cell, self.top + (self.field.shape[1] - 1 - j) * self.cell
         round_it = ((0, 0), (self.cell, 0), (self.cell, self.cell), (0, self.cell))
         return np.stack([np.stack([x + aside, y + down], axis=-1) for aside, down in round_it], axis=1)

@@ -23,7 +23,7 @@ _TOP, _LISTS = 40.0, 70.0
 """Upper end of the plan, and height of the lists below it, in millimetres; the plan has the rest of the page."""
 
 _LINED = 1.5
-"""Smallest cell size in millimetres at which the map of pallets has grid lines."""
+"""Smallest side of a pallet, in millimetres, at which the small map of all pallets has lines between them."""
 
 _PLACING = (
     "Place row by row from the north-west corner, as one",
@@ -38,7 +38,7 @@ _RULE = (
 
 
 def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
-    """Draw the whole page."""
+    """Draw the page of a pallet."""
     (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
     page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
     where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
@@ -142,7 +142,7 @@ _ROW = 6.2
 
 
 def draw_form(page: Page, scene: Scene) -> None:
-    """Draw the whole page."""
+    """Draw the form for repetitions of a test."""
     page.text(page.left, 22, "Repetitions", 20, fontweight="bold")
     about = f"{scene.name}, fingerprint {fingerprint(scene.field.blocks)}; from start (west) to goal (east)"
     page.fitted((page.left, 29), about, 9, page.across)

@@ -50,7 +50,7 @@ class Pattern:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CuttingPlan:
-    """The patterns that all blocks are cut by; lengths in nanometres."""
+    """The patterns by which all parts are cut; lengths in nanometres."""
 
     settings: CutSettings
     patterns: Sequence[Pattern]
@@ -83,6 +83,7 @@ class CuttingPlan:
 
 def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
     """Return the cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
+    # Longest first: a length goes into the room that longer ones left, and only then into pieces not cut before.
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
         settings.check(length, "the longest block", "cm")
@@ -139,7 +140,7 @@ def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
 
 def name(chunk: Cell) -> str:
     """Return the name of a pallet as on a chess board: a letter along x, a number along y, A1 in the south-west."""
-    letters, column = "", chunk[0] + 1
+    letters, column = "", chunk[0] + 1  # as in a spreadsheet: Z is followed by AA
     while column:
         column, letter = divmod(column - 1, 26)
         letters = chr(ord("A") + letter) + letters
@@ -164,13 +165,14 @@ def length(level: int, field: StepField) -> int:
 
 
 def frames(recipe: Recipe, play: int = 0) -> dict[int, int]:
-    """Return the number of boards of each length [nm] of all frames, the longest first; none without a frame above 0.
+    """Return the number of boards of each length [nm] of all frames, the longest first; empty without frames.
 
     play: of the blocks inside, in nanometres
     """
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return {}
     (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
+    # A board is as thick as a block is wide. Two lengths may be equal, so a Counter adds them.
     boards = Counter({(n_x + 2) * width + play: 2 * count})
     boards[n_y * width + play] += 2 * count
     return dict(sorted(boards.items(), reverse=True))
@@ -213,6 +215,7 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
     # A base board is below each chunk with its frame, or below a map in one frame.
     (bases, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
     rim = 2 * width + settings.play if recipe.boundary != "none" else 0
+    # The price is known only if all of its parts are: of boards both their number and the price of a piece.
     price, board_price = settings.price, frame_price(recipe, settings)
     if price is not None:
         price *= blocks.pieces

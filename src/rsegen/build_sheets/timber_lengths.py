@@ -1,4 +1,4 @@
-"""Lengths, weights and cuts of timber as people read them, in metric units or in those of the USA and Canada.
+"""Lengths, weights and cuts of timber as people read them, in metric units or in units of the USA and Canada.
 
 Timber is sold by the metre, or by the foot and by the name of its section (`DRESSED`).
 """
@@ -18,7 +18,7 @@ _CUBIC_FOOT = 0.3048**3
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TimberLengths(Lengths):
-    """A unit of lengths, and those of timber and of the kerf, with their nanometres."""
+    """A unit of lengths, the units of timber and of the kerf, and how many nanometres they have."""
 
     timber: str
     timber_size: int
@@ -26,7 +26,7 @@ class TimberLengths(Lengths):
     kerf_size: int
 
     def at_least(self, length: int) -> str:
-        """Return the least length that a tape measure shows and that is not below one in nanometres, with its unit."""
+        """Return a length in nanometres with its unit, rounded up to the next mark of a tape measure."""
         mark = self.size // TAPE_MARKS if self.unit == "in" else 1
         return f"{self.tape(-(-length // mark) * mark)} {self.unit}"
 

@@ -67,7 +67,7 @@ def series(  # noqa: PLR0913  # each is a flag
     recipe : Recipe
         The maps.
     maps : int, optional
-        Their number; by default that of the recipe.
+        Their number; by default as the recipe says.
     progress : callable, optional
         Called with the row of each map that is done.
 
@@ -162,7 +162,7 @@ def add_series(command: Parser) -> None:
 
 
 def run_series(arguments: argparse.Namespace) -> Report:
-    """Make the series, and say how it rises."""
+    """Write a series, and report how it rises."""
     recipe = recipe_from(arguments)
     options = run_options(series, arguments)
     with going_on(arguments, recipe), counting(recipe.maps) as progress:
@@ -179,8 +179,8 @@ def _series_content(made: Series) -> dict[str, object]:
 def _series_lines(made: Series) -> Iterator[str]:
     from rsegen.params.numbers import decimal, lengths_in
 
-    rows, there, written = made.rows, len(made.rows) - len(made.maps), lengths_in(made.plan.recipe.units)
-    already = f", {there} existed before" if there else ""
+    rows, existed, written = made.rows, len(made.rows) - len(made.maps), lengths_in(made.plan.recipe.units)
+    already = f", {existed} existed before" if existed else ""
     maps, seed = counted(len(rows), "map"), made.plan.recipe.seed
     yield f"{maps} in {made.folder}, seed {seed}{already}; lengths in {written.name}:"
     width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
@@ -215,16 +215,16 @@ def add_dataset(command: Parser) -> None:
     text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
     add_input(command.group("input"), text, name="recipes", nargs="*")
     group = command.group("output")
-    what = group.one_of()
-    what.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
-    what.add_argument("--verify", metavar="DIR", help="check every file of the data set in DIR instead")
+    task = group.one_of()
+    task.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
+    task.add_argument("--verify", metavar="DIR", help="check every file of the data set in DIR instead")
     add_flags(group, make_dataset, without=["folder"])
     group.add_argument("--rebuild", metavar="N", help="with --verify: maps to rebuild and compare (default: 100)")
     add_recipe_flags(command)
 
 
 def run_dataset(arguments: argparse.Namespace) -> Report:
-    """Make or check it, and say what is there."""
+    """Write a data set, or check one, and report what is in it."""
     if arguments.verify is not None:
         dataset, words = _verified(arguments)
     else:

@@ -1,9 +1,9 @@
-"""Maps as tiles of a terrain or data set: their levels, and the difficulty at which one has a wanted value of a metric.
+"""Maps as tiles of a terrain or data set: their levels, and the difficulty at which a metric of one has a target value.
 
 The cells of a tile are levels, frames too, and its difficulty is a share of the one that its recipe gives. Several
 recipes may go together; each is a kind of tiles. For a metric other than the rms step,
 
-    recipe, index --span_of--> its values on level ground and on the whole map --mean_of--> the range of several maps
+    recipe, index --span_of--> its values on level ground and on the whole map --mean_span--> the range of several maps
     value in that range --share_of--> the difficulty at which a map has it
 
 Both ask for the metric of the map at some difficulties and halve an interval, so the cost is `HALVINGS` maps and
@@ -31,8 +31,8 @@ from rsegen.recipe.recipe import Recipe
 def check_tile(recipe: Recipe) -> None:
     """Raise a ParameterError if the maps of a recipe cannot be tiles."""
     if isinstance(recipe.difficulty, tuple):
-        given = shown(list(recipe.difficulty))
-        raise ParameterError("difficulty", f"{given} is a range, and tiles have their own; use one number")
+        bounds = shown(list(recipe.difficulty))
+        raise ParameterError("difficulty", f"{bounds} is a range, and tiles have their own; use one number")
     frame = recipe.frame_height_cm
     # Lengths that differ by less than a nanometre are equal: of floats 11.43 % 3.81 is 3.81.
     if recipe.boundary != "none" and round(abs(frame - _frame_level(recipe) * recipe.unit_cm) * NANOMETRES / 100):
@@ -48,6 +48,7 @@ def check_tile(recipe: Recipe) -> None:
 
 def amid(levels: Ints | Array) -> Ints | Array:
     """Return the highest cell of those that meet in the middle of each map: (..., n_x, n_y) -> (...,)."""
+    # One cell along a side with an odd number of them, two with an even one.
     x, y = (slice((cells - 1) // 2, cells // 2 + 1) for cells in levels.shape[-2:])
     return np.asarray(levels[..., x, y].max(axis=(-2, -1)))
 
@@ -127,7 +128,7 @@ def mean_span(spans: Sequence[Span], name: str) -> Span:
 
 def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
     """Return the span of a metric over the difficulties of map `index`; ParameterError if level ground has no value."""
-    level, full = (_value(recipe, index, metric, share) for share in (0.0, 1.0))
+    level, full = (_value(recipe, index, metric, share) for share in (0.0, 1.0))  # nan if a robot cannot cross it
     if isnan(level):
         name = recipe.map_name(index)
         raise ParameterError("by", f"{metric.name} of {name} has no value even at difficulty 0; choose another metric")
@@ -138,30 +139,30 @@ def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
 
 
 def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, difficulty: float) -> float:
-    """Return the share of the recipe's difficulty at which map `index` is nearest to a wanted value.
+    """Return the share of the recipe's difficulty at which map `index` is nearest to a target value.
 
-    own: the span of the map. The wanted value lies at `difficulty` on the span `line`. The share is `own.hardest` at
+    own: the span of the map. The target lies at `difficulty` on the span `line`. The share is `own.hardest` at
     most, the difficulty itself if all values are the same, and otherwise the nearest of the shares that a bisection
     tries; of equally near ones, the least.
     """
-    wanted, sign = line.value(difficulty), 1 if own.full >= own.level else -1
+    target, sign = line.value(difficulty), 1 if own.full >= own.level else -1
     if own.level == own.full:
         return difficulty
     # Beyond the ends of its own span the map has no value to search for: the end is the nearest.
-    if sign * (wanted - own.level) <= 0:
+    if sign * (target - own.level) <= 0:
         return 0.0
-    if sign * (wanted - own.full) >= 0:
+    if sign * (target - own.full) >= 0:
         return own.hardest
     tried = {0.0: own.level, own.hardest: own.full}
 
     def is_enough(share: float) -> bool:
         value = _value(recipe, index, metric, share)
-        tried[share] = sign * inf if isnan(value) else value
-        return sign * (wanted - tried[share]) <= 0
+        tried[share] = sign * inf if isnan(value) else value  # without a value it is too hard
+        return sign * (target - tried[share]) <= 0
 
     # As blocks are rounded, the metric may go up and down: the nearest of all that were tried counts, not the last.
     bisected(is_enough, own.hardest)
-    return min(tried, key=lambda share: (abs(wanted - tried[share]), share))
+    return min(tried, key=lambda share: (abs(target - tried[share]), share))
 
 
 def _value(recipe: Recipe, index: int, metric: Metric, share: float) -> float:

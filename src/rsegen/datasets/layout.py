@@ -1,4 +1,4 @@
-"""The files of a data set: which maps are in which file, their names and sizes, and the manifest that lists them.
+"""The files of a data set: which maps are in which file, their names and sizes, and the manifest, which lists them.
 
     DIR/manifest.json       the recipes, and the size and checksum of every file
     DIR/levels-00000.npy    block levels of the first maps, (maps, n_x, n_y), frames left out
@@ -8,8 +8,8 @@
 Of several recipes, the maps of the first come first; no shard has maps of two, and all but the last of a recipe have as
 many, so a division finds a map (decision 12). All of it follows from the recipes, so no name is ever taken from a file.
 
-The manifest has the recipes, and the size and checksum of every file. It may come from anybody: whatever contradicts
-the recipes is refused. It is the last file that is written: a data set with a manifest is complete.
+The manifest may come from anybody: whatever in it contradicts the recipes is refused. It is the last file that is
+written: a data set with a manifest is complete.
 """
 
 from __future__ import annotations
@@ -69,6 +69,7 @@ class ShardLayout:
         object.__setattr__(self, "recipes", as_recipes(self.recipes))
         _check_kinds(self.recipes)
         n_x, n_y = self.grid_shape
+        # The last shard of each recipe may be nearly empty, which adds less than one shard per recipe.
         least = -(-self.maps // (MOST - len(self.recipes) + 1))
         object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), least))
         if self.shard_maps < least:
@@ -235,8 +236,8 @@ def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
     entries = (
         {
-            what: {"file": name, "bytes": shard.files[what].bytes, "sha256": shard.files[what].sha256}
-            for what, name in layout.names(shard.number).items()
+            content: {"file": name, "bytes": shard.files[content].bytes, "sha256": shard.files[content].sha256}
+            for content, name in layout.names(shard.number).items()
         }
         for shard in shards
     )
@@ -245,7 +246,7 @@ def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
 
 
 def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
-    """Return the content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
+    """Return the content of a data set's manifest; FileError without a manifest, ParameterError for a wrong value."""
     path = folder / MANIFEST
     if not path.is_file():
         why = f"has no {MANIFEST}, so it is not a data set of rsegen"
@@ -290,13 +291,13 @@ def _shard(layout: ShardLayout, number: int, entry: object) -> Shard:
     """Return a shard of a manifest; ParameterError if a file has a wrong name or an impossible size."""
     where, names = f"shards[{number}]", layout.names(number)
     files = {}
-    for what, name in names.items():
-        part = entry.get(what) if isinstance(entry, Mapping) else None
+    for content, name in names.items():
+        part = entry.get(content) if isinstance(entry, Mapping) else None
         if not isinstance(part, Mapping) or part.get("file") != name:
-            raise ParameterError(f"{where}.{what}", f"{shown(part)} is not the file {name}")
-        files[what] = Checksum(
-            bytes=_SIZE.check(f"{where}.{what}.bytes", part.get("bytes")),
-            sha256=_SHA256.check(f"{where}.{what}.sha256", part.get("sha256")),
+            raise ParameterError(f"{where}.{content}", f"{shown(part)} is not the file {name}")
+        files[content] = Checksum(
+            bytes=_SIZE.check(f"{where}.{content}.bytes", part.get("bytes")),
+            sha256=_SHA256.check(f"{where}.{content}.sha256", part.get("sha256")),
         )
     return Shard(number=number, files=files)
 
@@ -324,7 +325,7 @@ def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[S
 def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Checksum]]:
     for shard in shards:
         names = layout.names(shard.number)
-        yield from ((folder / names[what], part) for what, part in shard.files.items())
+        yield from ((folder / names[content], part) for content, part in shard.files.items())
 
 
 def recipe_of_place(text: str) -> Recipe | None:

@@ -1,6 +1,6 @@
 """Make a data set shard by shard, and the manifest at the end.
 
-    recipes --plan_dataset--> DatasetPlan --make_dataset: shards, by workers or a cluster--> manifest --> Dataset
+    recipes --plan_dataset--> DatasetPlan --make_shards: by workers or a cluster--> manifest --> Dataset
 
 A new data set grows in its folder, and `resume` keeps the shards whose files are as the journal says. A data set that
 replaces another grows in `.rsegen.next` of that folder, and takes its place in one swap.
@@ -126,10 +126,10 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
         existing = shards_run.existing  # none if another data set is replaced
         journal = store.journal.content
-        kept = [name for number in existing for name in names[number]]
+        unchanged = [name for number in existing for name in names[number]]
         if len(existing) == layout.shards and is_intact(store.folder, MANIFEST, journal):
-            kept.append(MANIFEST)
-        store.announce_files([*chain(*names.values()), MANIFEST], kept=kept)
+            unchanged.append(MANIFEST)
+        store.announce_files([*chain(*names.values()), MANIFEST], kept=unchanged)
         if plan.replaces and journal:  # what an earlier run of the same command has made
             existing = complete_shards(layout, store.folder, journal)
             known = frozenset(existing)
@@ -145,10 +145,11 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
         run_in(store, shards_run, done)
         files = store.journal.content.files if store.journal.content else {}
         shards = [
-            Shard(number=number, files={what: files[name][-1] for what, name in layout.names(number).items()})
+            Shard(number=number, files={content: files[name][-1] for content, name in layout.names(number).items()})
             for number in range(layout.shards)
         ]
         listing = manifest(layout, shards)
+        # An equal manifest stays, so that a run that has nothing to do writes nothing.
         if not is_intact(store.folder, MANIFEST, store.journal.content) or files[MANIFEST][-1] != Checksum.of(listing):
             store.put({MANIFEST: [listing]}, force=True)
     return Dataset(plan.run.folder)

@@ -8,7 +8,7 @@ Maps are also laid out as tiles of a terrain, for curriculum learning:
 
     rows (+x): from the easiest map to the hardest     columns (+y): maps of about the same difficulty, or a recipe each
 
-They are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
+They are chosen by a metric: the maps nearest to evenly spaced values, each used once, or at evenly spaced ranks.
 Cost: a sum over all maps per row; a metric that is not in the table of the data set is measured map by map, which
 costs most. What breaks it: a metric with few different values, of which neighbouring rows then have the same.
 """
@@ -165,8 +165,8 @@ class LevelsOfMaps:
         levels = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
         numbers, rows = self._layout.rows_at(places)
         for number in np.unique(numbers):
-            here = numbers == number
-            levels[here] = self._shard(int(number))[rows[here]]
+            in_shard = numbers == number
+            levels[in_shard] = self._shard(int(number))[rows[in_shard]]
         return levels
 
 
@@ -326,18 +326,17 @@ class Dataset:
     ) -> Tiles:
         """Return a terrain of rows x columns maps that gets harder from row to row, by any metric.
 
-        by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
-        table of the data set are measured map by map.
+        by: the name of a metric, rsegen's own or a plug-in's, or a function StepField -> float. Metrics that are not in
+        the table of the data set are measured map by map.
         robot: for metrics of a robot, such as `reach.west_east.cost`; maps that it cannot cross are left out.
         spacing: `value`, the metric rises evenly from the least to the greatest of each recipe; or `rank`, its rank.
-        recipes: the names of those of the columns, each in as many neighbouring ones as the others; all by default.
+        recipes: names of recipes, each for equally many neighbouring columns; all by default.
         """
         # For each recipe the maps of its columns, then what they are as a terrain.
         spacing = SPACING.check("spacing", spacing)
         rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
         kinds = _kinds(self, recipes, columns)
-        wanted = np.isin(self.recipe_numbers, kinds)
-        figures, named = _figures(self, by, robot, wanted)
+        figures, named = _figures(self, by, robot, np.isin(self.recipe_numbers, kinds))
         places = np.empty((rows, columns), dtype=np.intp)
         for kind in np.unique(kinds):
             own = np.flatnonzero((self.recipe_numbers == kind) & ~np.isnan(figures))
@@ -378,6 +377,7 @@ class Dataset:
             raise UnknownName.among("name", "recipe", name, names)
         number = names.index(name)
         first = sum(recipe.maps for recipe in self.recipes[:number])
+        # About as many as one shard has, by default.
         most = max(CELLS // prod(self.layout.grid_shape), _LEAST_COMPARED)
         compared = self[first : first + min(self.recipes[number].maps, most)]
         return len({levels.tobytes() for levels in compared}), len(compared)
@@ -398,26 +398,27 @@ class Dataset:
 def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArray[np.intp]:
     """Return the number of the recipe of each column."""
     known = {recipe.name: kind for kind, recipe in enumerate(dataset.recipes)}
-    wanted = list(known) if names is None else names
-    if isinstance(wanted, str) or not isinstance(wanted, Sequence):
+    chosen = list(known) if names is None else names
+    if isinstance(chosen, str) or not isinstance(chosen, Sequence):
         raise ParameterError("recipes", f"{shown(names)} is not a list of names of recipes")
-    for index, name in enumerate(wanted):
+    for index, name in enumerate(chosen):
         if not isinstance(name, str) or name not in known:
             raise UnknownName.among(f"recipes[{index}]", "recipe", name, known)
-    if not 0 < len(wanted) <= columns:
-        raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; use at most one per column")
-    return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
+    if not 0 < len(chosen) <= columns:
+        raise ParameterError("recipes", f"{len(chosen)} for {columns} columns; use at most one per column")
+    return np.array([known[chosen[kind_of_column(column, columns, len(chosen))]] for column in range(columns)])
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
     """Return row by row the maps nearest to evenly spaced values, from the least to the greatest.
 
-    Each row has neighbours in rank, all above those of the row before, and leaves enough maps for the rows after it:
-    where maps are few, as at both ends, the nearest ones of a row would be those of the next.
+    Each row has neighbours in rank, all above the row before, and leaves enough maps for the rows after it: where maps
+    are few, as at both ends, two rows may have the same maps as their nearest.
     """
     values = figures[ranked].astype(np.float64)
     places, first = np.empty((rows, columns), dtype=np.intp), 0
     for row, target in enumerate(np.linspace(values[0], values[-1], rows)):
+        # The sum of distances from the target of each `columns` neighbours, as a difference of running sums.
         until = np.concatenate([[0.0], np.cumsum(np.abs(values - target))])
         last = len(values) - (rows - row) * columns
         first += int(np.argmin((until[columns:] - until[:-columns])[first : last + 1]))

@@ -2,7 +2,7 @@
 
     recipe --plan_series: measures all fields as designed--> SeriesRun --run--> rows and maps --> Series
 
-Maps that exist are measured again for their rows, so that table and chart are those of all.
+Maps that exist are measured again for their rows, so that table and chart have all of them.
 """
 
 from __future__ import annotations
@@ -105,6 +105,7 @@ def plan_series(
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
     refuse_names(folder, map(plan.map_name, numbers), (TABLE, PICTURE), on_existing)
+    # The line on which a series rises follows from all of its fields, so these are measured before the first map.
     spans: list[Span] = []
     for batch in execute(partial(_spans, plan), plan.fields, 2 * _seconds_per_value(plan), execution):
         spans += batch
@@ -240,7 +241,7 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
 
 
 def _unit(plan: SeriesPlan) -> str:
-    """Return the unit of the metric; lengths are shown in those of the recipe."""
+    """Return the unit of the metric; lengths are shown in the recipe's units."""
     return lengths_in(plan.recipe.units).unit if plan.metric.unit == "m" else plan.metric.unit
 
 

@@ -58,10 +58,10 @@ class SeriesPlan:
         if self.recipe.maps < 2:
             raise ParameterError("maps", f"{self.recipe.maps} map is not a series; use 2 or more")
         if self.recipe.difficulty != 1:
-            given = shown(self.recipe.difficulty)
-            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; use from and to instead")
-        self.whole(self.recipe.maps - 1)
-        _ = self.metric
+            difficulty = shown(self.recipe.difficulty)
+            raise ParameterError("difficulty", f"{difficulty} is for maps of one difficulty; use from and to instead")
+        self.whole(self.recipe.maps - 1)  # refuses a name that is too long with the number
+        _ = self.metric  # refuses an unknown metric
 
     @property
     def metric(self) -> Metric:
@@ -144,7 +144,7 @@ class SeriesRow:
     """The row of one map; a value that does not exist, such as the steps of a single block, is None.
 
     difficulty: its place between the first and the last   rms_asked: difficulty * the mean rms_full of all maps
-    rms: the rms step that it has   rms_full: that of its field as designed   recipe_difficulty: that of its recipe
+    rms: the rms step that it has   rms_full: of its field as designed   recipe_difficulty: what its recipe has
     highest_step: between neighbouring blocks   opening_...: the climb at which it opens   mean_height: of its blocks
     asked, measured, full: of the metric by which the series rises, as rms_asked, rms and rms_full of the rms step; by
     another metric there is no rms_asked and no rms_full

@@ -43,7 +43,7 @@ class Format(ABC):
     """Step of making a map that needs about as much memory as making its files."""
 
     mat_file: ClassVar[str] = ""
-    """The file that needs scipy, and is left out if that is not installed; empty if there is none."""
+    """The file that needs scipy, and is left out if that is not installed; empty if no file needs it."""
 
     def __post_init__(self) -> None:
         validate(self)
@@ -80,7 +80,7 @@ _OF_EXPORT = frozenset({"path", "format", "index"})
 
 
 def _problem(cls: type[Format]) -> str:
-    """Return the problem of the name and the options of a plug-in's format; an empty text if there is none."""
+    """Return the problem of the name and the options of a plug-in's format; an empty text if all is well."""
     if not (cls.name.isidentifier() and cls.name.islower()):
         return f"has the name {cls.name!r}; use one of small letters, digits and _, as its folder is called so"
     return name_conflict(cls, RESERVED_FLAGS | READING | _OF_EXPORT, others=FORMATS.own()) or (
@@ -107,7 +107,7 @@ register = FORMATS.register
 
 
 def refuse_unready(formats: Iterable[Format]) -> None:
-    """Raise a UserError if a format is given twice, or one that names all that is not installed and formats need."""
+    """Raise a UserError if a format is given twice, or if packages of formats, all of which it names, are missing."""
     formats = tuple(formats)
     for name, count in Counter(format_.name for format_ in formats).items():
         if count > 1:
@@ -131,7 +131,7 @@ def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
-    """Return the files that formats add to those of a map; none without formats."""
+    """Return the files that formats add to a map's own, with the list of the formats; none without formats."""
     files: dict[PurePosixPath, Iterable[bytes]] = {
         PurePosixPath(format_.name) / path: content
         for format_ in formats

@@ -2,10 +2,10 @@
 
     Recipe or Scene --export--> a file, or a folder
     recipes --plan_exports--> RunPlan --run--> an ExportedMap of each map
-    recipes, a format that joins maps (a ROS 2 package) --_export_joined--> a folder with all maps, or none
+    recipes, a format that joins maps (a ROS 2 package) --export_joined--> a folder with all maps, or none
 
-Each format has its own folder in that of the map, which is replaced as a whole; formats.json lists the formats
-with their options, so that a resumed run knows which of them are those asked for.
+Each format has its own folder in the map's folder, which is replaced as a whole. The file formats.json lists them with
+their options, so a resumed run knows which formats it need not write again.
 """
 
 from __future__ import annotations
@@ -252,6 +252,7 @@ def _missing_formats(
             refuse_unit(home, format_.name, journal, force=True, is_folder=True)
             if on_existing is OnExisting.REFUSE:
                 raise taken(home / format_.name)
+            # A resumed run keeps only what has the same options, and every file as it was written.
             same = listed.get(format_.name) == recorded_options([format_])[format_.name]
             if on_existing is OnExisting.KEEP and same and journal is not None:
                 comparison = compare(home, journal, format_.name)
@@ -265,6 +266,7 @@ def _missing_formats(
 
 def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExisting) -> None:
     """Raise an OutputError unless another map in the folder may be replaced, and nothing is lost but these formats."""
+    # What another map leaves behind would be taken for a part of the new one.
     refuse_loss(home, "map")
     names = {_RECIPE, FORMATS_FILE, JOURNAL, *(format_.name for format_ in formats)}
     others = sorted({path.name for path in home.iterdir()} - names)
@@ -304,7 +306,7 @@ def export_joined(
     *,
     sync: bool,
 ) -> tuple[ExportedMap, ...]:
-    """Write maps into one folder, which appears at the end; each names the files that those before it don't."""
+    """Write maps into one folder, which appears at the end; a returned map has the files that no earlier one wrote."""
     # All maps share files, such as launch files, which the first one writes; so they are made here, one by one.
     refuse_unready([chosen])
     maps, _ = _checked_maps(recipes, folder, [chosen])

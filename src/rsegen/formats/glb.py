@@ -52,8 +52,8 @@ def _glb(scene: Scene) -> Iterator[bytes]:
         if images:
             # A vertex per pair of texture coordinates.
             corners = np.concatenate([whole.vertices[whole.triangles[chosen]], whole.coordinates[chosen]], axis=2)
-            known, numbers = np.unique(corners.reshape(-1, 5), axis=0, return_inverse=True)
-            vertices, triangles, uv = known[:, :3], numbers.reshape(-1, 3), known[:, 3:]
+            known, indices = np.unique(corners.reshape(-1, 5), axis=0, return_inverse=True)
+            vertices, triangles, uv = known[:, :3], indices.reshape(-1, 3), known[:, 3:]
             image = images[texture_name(scene, part)].convert("RGB")
         matte = PBRMaterial(
             name=name,

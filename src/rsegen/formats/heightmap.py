@@ -46,6 +46,7 @@ class Heightmap(Format):
         from PIL import Image
 
         field, step, (n_x, n_y) = scene.field, sample_step(scene.field), scene.field.shape
+        # Rows from north to south, as images have them. The metadata say how a program, and how rsegen, reads it again.
         greys, buffer = samples(field, step), BytesIO()
         rows = greys.T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         Image.fromarray(rows).save(buffer, "png")
@@ -73,6 +74,7 @@ def frames_again(recipe: Recipe) -> str:
     """Return the flags by which an image of a map becomes its blocks and its frames; none without frames."""
     if recipe.boundary == "none":
         return ""
+    # The blocks that a frame is around: of the whole map, or of each chunk.
     inside = recipe.grid.shape if recipe.boundary == "outer" else (recipe.chunk_size, recipe.chunk_size)
     framed = f"--framed {inside[0]}x{inside[1]} --boundary {recipe.boundary} --chunk-size {recipe.chunk_size}"
     return f" {framed} --frame-height-cm {decimal(recipe.frame_height_cm)}"
@@ -81,7 +83,7 @@ def frames_again(recipe: Recipe) -> str:
 def sample_step(field: StepField) -> int:
     """Return the grey values per level: the largest divisor of white with which the highest block or frame fits."""
     frames = field.frame_height if field.frame.any() else 0.0
-    levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)
+    levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)  # 1.1 / 0.1 is above 11
     if levels > WHITE:
         problem = f"frames of {decimal(field.frame_height * 100)} cm are higher than {WHITE} units of "
         raise ParameterError(

@@ -113,16 +113,16 @@ def _meshes(scene: Scene) -> _BodyElements:
 
 
 def _height_field(scene: Scene, pixels: int) -> _BodyElements:
-    """Return a height field of samples at the centres of small squares, `pixels` per side of a cell, less half a one.
+    """Return a height field with samples at the centres of small squares, `pixels` per side of a cell.
 
-    MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
-    sample of a row on the sides of the field, which therefore are those of the outermost samples.
+    MuJoCo scales samples to 0..1, so the position of the geom is the lowest one. It puts the first and the last sample
+    of a row on the sides of the field, which so ends half a small square inside the map.
     """
     # From lowest to highest sample; a flat map has an extent of 1 m that nothing uses, as 0 is not allowed.
     heights = _sampled(scene.field, pixels)
     low, high = float(heights.min()), float(heights.max())
     sides = ((extent - extent / count) / 2 for extent, count in zip(scene.field.extent, heights.shape, strict=True))
-    size = numbers((*sides, high - low or 1.0, low or _BASE))
+    size = numbers((*sides, high - low or 1.0, low or _BASE))  # the base reaches down to z = 0
     return _BodyElements(
         assets=[
             *_materials(scene, {scene.recipe.top_level}),

@@ -53,7 +53,9 @@ class Occupancy(Format):
         # The thresholds are those that map_saver writes; with mode `trinary` black is occupied and 254 is free.
         field, margin = scene.field, self.margin(scene.field)
         climb = field.unit if self.climb_cm is None else self.climb_cm / 100
-        occupied = np.pad(field.heights > round(climb, NANOMETRE_DIGITS), margin)
+        occupied = np.pad(
+            field.heights > round(climb, NANOMETRE_DIGITS), margin
+        )  # as heights are: 3 * 0.1 is not above 0.3
         grey = np.where(occupied, _OCCUPIED, _FREE).astype(np.uint8).T[::-1]
         rows = grey.repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         x, y = (decimal(-side / 2 - margin * field.block_width) for side in field.extent)

@@ -32,15 +32,16 @@ class FormatList(Parameter):
 
         if isinstance(value, str | Format) or not isinstance(value, Sequence):
             raise ParameterError(where, f"{shown(value)} is not a list of formats, as in [rsegen.FORMATS['stl']()]")
-        for index, given in enumerate(value):
-            if not isinstance(given, Format):
-                raise ParameterError(f"{where}[{index}]", f"{shown(given)} is no format, as rsegen.FORMATS['stl']() is")
+        for index, entry in enumerate(value):
+            if not isinstance(entry, Format):
+                raise ParameterError(f"{where}[{index}]", f"{shown(entry)} is no format, as rsegen.FORMATS['stl']() is")
         return tuple(value)
 
     def parse(self, texts: Any) -> tuple[Format, ...]:
         from rsegen.formats.base import FORMATS
 
         # All texts of the flag, which may be repeated.
+        # An empty part, as between two commas, is a format without a name, which is refused.
         parts = [part or [""] for text in texts for part in _parts(self.flag, text)]
         named = [(FORMATS.named(name, self.flag), words) for name, *words in parts]
         return tuple(_with_options(self.flag, cls, words) for cls, words in named)
@@ -62,7 +63,7 @@ def _parts(where: str, text: str) -> list[list[str]]:
     parts: list[list[str]] = [[]]
     try:
         for word in lexer:
-            if word.strip(",") == "":
+            if word.strip(",") == "":  # one comma or several, of which shlex makes one word
                 parts += [[] for _ in word]
             elif parts[-1] and "=" not in word:
                 parts.append([word])
@@ -77,9 +78,9 @@ def _with_options(where: str, cls: type[Format], words: Sequence[str]) -> Format
     """Return a format with the options that are given after its name."""
     known = parameters(cls)
     try:
-        own = key_values(words, known)
-        refuse_unknown(f"option of {cls.name}", own, known)
-        return cls(**own)
+        options = key_values(words, known)
+        refuse_unknown(f"option of {cls.name}", options, known)
+        return cls(**options)
     except ParameterError as error:
         raise error.of(f"{where} {shown(' '.join([cls.name, *words]))}") from None
 

@@ -1,4 +1,4 @@
-"""Parts of a map that several formats need: boxes of a colour, faces of one material and texture, linear colours.
+"""Parts of a map that several formats need: faces of one material and texture, OBJ files of them, linear colours.
 
 groups    the faces of a mesh of one material and texture: ply, glb, usd
 objs      the surface in a file per material and texture: mjcf, urdf
@@ -23,8 +23,10 @@ def groups(materials: Ints, sides: Mask | None = None) -> Iterator[tuple[int, st
     sides: which faces have the texture of sides; without it none has a texture, and the name of the texture is empty
     """
     for material in np.unique(materials).tolist():
-        own = materials == material
-        for part, chosen in [("", own)] if sides is None else zip(PARTS, (own & ~sides, own & sides), strict=True):
+        faces = materials == material
+        for part, chosen in (
+            [("", faces)] if sides is None else zip(PARTS, (faces & ~sides, faces & sides), strict=True)
+        ):
             if chosen.any():
                 yield material, part, chosen
 

@@ -83,8 +83,8 @@ class FormatFiles(Sidecar):
 
         listed = listed_formats(home) or {}
         return all(
-            listed.get(name) == wanted and os.path.isdir(os.path.join(home, name))
-            for name, wanted in recorded_options(self.formats).items()
+            listed.get(name) == options and os.path.isdir(os.path.join(home, name))
+            for name, options in recorded_options(self.formats).items()
         )
 
     def seconds(self, cells: int) -> float:

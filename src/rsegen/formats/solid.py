@@ -52,7 +52,8 @@ def solid(field: StepField, *, textured: bool = False) -> Solid:
     If two blocks touch only along a vertical edge, four faces meet in it. One of the two blocks has an additional
     vertex in the middle of that edge: so no edge between two vertices has more than two faces, and no point has moved.
     """
-    # Edges that are equal by position but not by vertices; all but the first of them are bisected.
+    # An edge has two numbers: `own` by its vertices, `edge` by its position. Where several have one position, all are
+    # bisected but the one of the lowest number.
     mesh = watertight(field)
     edges = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
     own = _numbered(edges, len(mesh.places))
@@ -76,6 +77,7 @@ def _numbered(edges: Ints, count: int) -> Ints:
 
 def _bisected(mesh: Solid, edges: Ints, chosen: Ints) -> Solid:
     """Return the mesh with triangles bisected at the chosen edges: vertical ones, of which no triangle has two."""
+    # Both triangles at an edge are cut, and share its middle; the halves are after all others, in this order.
     cut, side = np.nonzero(chosen)
     start, end = (mesh.triangles[cut, (side + step) % 3] for step in range(2))
     known, first, edge = np.unique(edges[cut, side], return_index=True, return_inverse=True)

@@ -46,7 +46,7 @@ def _bind(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
 
 
 def _material(root: Any, scene: Scene, material: int, part: str) -> Any:
-    """Return the material of a surface without gloss: of its tint, times the image of its texture if it has one."""
+    """Return a material without gloss: the tint of a surface, times the image of its texture if it is textured."""
     from pxr import Gf, Sdf, UsdShade
 
     types, (stage, path) = Sdf.ValueTypeNames, _stage_and_path(root, material_name(material, part))

@@ -61,7 +61,7 @@ def opened_bag(path: Path) -> Iterator[Any]:
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    with open_regular(path):
+    with open_regular(path):  # refuses what is no file; rosbags opens it by its path
         pass
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, text in _DEFINITIONS.items():
@@ -75,12 +75,12 @@ def connections_of(path: Path, bag: Any, kind: str, topic: str | None, what: str
 
     what: such messages in words, for a FileError if there are none, and a ParameterError that names their topics
     """
-    every = {connection.topic: connection.msgtype for connection in bag.connections}
+    types = {connection.topic: connection.msgtype for connection in bag.connections}
     topics = sorted({connection.topic for connection in bag.connections if connection.msgtype == kind})
     if not topics:
-        others = [f"; {said}" for other, said in _READ_BY.items() if other in every.values()]
+        advice = [f"; {text}" for other_kind, text in _READ_BY.items() if other_kind in types.values()]
         raise FileError(
-            f"{path}: has no topic with {kind}, but {named(sorted(every)) or 'none at all'}{''.join(others)}"
+            f"{path}: has no topic with {kind}, but {named(sorted(types)) or 'none at all'}{''.join(advice)}"
         )
     if topic is None and len(topics) > 1:
         raise ParameterError("topic", f"{path} has {what} on {named(topics)}; choose one of them")
@@ -118,6 +118,7 @@ class Bag(Measured):
         with opened_bag(path) as bag:
             chosen = connections_of(path, bag, GRID_MAP, self.topic, "grid maps")
             last = None
+            # Only the last message is decoded: each may have millions of cells.
             for connection, _, raw in bag.messages(connections=chosen):
                 last = connection, raw
             if last is None:
@@ -142,5 +143,6 @@ def _heights(path: Path, message: Any, layer: Any) -> Array:
     is_by_rows = layer.layout.dim[0].label == "row_index"
     matrix = numbers.reshape((n_x, n_y), order="C" if is_by_rows else "F")
     starts = int(message.outer_start_index), int(message.inner_start_index)
+    # The first row and column come to the start; they have the largest x and y, so both axes are reversed.
     ordered = np.roll(matrix, [-start for start in starts], axis=(0, 1))[::-1, ::-1]
     return np.where(np.isfinite(ordered), ordered, np.nan)

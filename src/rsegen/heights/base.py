@@ -47,10 +47,10 @@ It is half of what random heights have: with more, advice would name a wrong uni
 """
 
 _WHOLE = 1e-3
-"""Error, in units, up to which a height is a whole unit: that of three decimals."""
+"""Error, in units, up to which a height is a whole unit: the rounding of three decimals."""
 
 _VISIBLE_CM = 1e-3
-"""Rounding errors up to this are those of decimals, and are not reported."""
+"""Rounding errors up to this come from decimals in the file, and are not reported."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -129,8 +129,8 @@ def _advice_of_ground(lowest: float, highest: float, unit_cm: float) -> str:
 def _largest_step(heights: Array) -> float | None:
     """Return the largest length of which all heights are nearly whole multiples, if the blocks have up to ten levels.
 
-    The lowest blocks, without ground and outliers, are one to four units high; the median of height / level is the
-    unit.
+    It is looked for among the lowest height, without ground and outliers, and its half, third and quarter. Then it is
+    the median of height / level, as a single height is measured badly.
     """
     import numpy as np
 
@@ -164,6 +164,7 @@ def filled(heights: Array, holes: Mask) -> Array:
     """
     import numpy as np
 
+    # Each pass fills the holes that have a known neighbour, and the next one counts these as known.
     complete = np.where(holes, np.nan, heights)
     missing = np.argwhere(holes)
     while len(missing):
@@ -186,7 +187,7 @@ MOST_CELLS = 2**24
 """Cells of a file at most: 4096 x 4096, which need 0.8 GB while they become a map."""
 
 USUAL_UNIT_CM = 10.0
-"""The unit of heights if neither the file nor the user gives one, as of a recipe."""
+"""The unit of heights if neither the file nor the user gives one: a recipe's default."""
 
 _HIGHEST = 32766
 """The highest level: a recipe has at most 32,767 levels, as levels are int16, and the lowest is 0."""
@@ -257,8 +258,8 @@ def whole_units(
 ) -> Ints:
     """Return heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit.
 
-    rounded: round those that are no whole units; any_heights: else heights that are no measured blocks of that unit are
-    refused; holes: cells that are not judged.
+    rounded: other heights are rounded, but without any_heights only if they are measured blocks of that unit; holes:
+    cells that do not count in that.
     """
     import numpy as np
 
@@ -270,6 +271,7 @@ def whole_units(
         with np.errstate(invalid="ignore"):
             bad |= np.abs(units - levels) > _WHOLE
     if bad.any():
+        # The first in reading order; the top row of a table is the largest y.
         row, column = (int(at) for at in np.argwhere(bad[:, ::-1].T)[0])
         height = heights_cm[:, ::-1][column, row]
         amiss, hint = "nan cm is a hole", "fill_holes gives it the height of its neighbours"
@@ -290,7 +292,7 @@ def whole_units(
 
 
 def _problem(cls: type[Importer]) -> str:
-    """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
+    """Return the problem of a plug-in's importer, a suffix or an option; empty if all is well."""
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; use a suffix such as .asc, in small letters"
@@ -363,9 +365,9 @@ def imported(
     reading : Importer, optional
         How it is read; by default as the end of its name says.
     unit_cm : float, optional
-        Height of one level, cm; by default that of the file.
+        Height of one level, cm; by default as the file says.
     chunk_size : int, optional
-        Side of a chunk in blocks, which must divide both sides; by default that of the file, or 10 if it divides both
+        Side of a chunk in blocks, which must divide both sides; by default as the file says, or 10 if it divides both
         sides, else the largest number up to 1000 that does.
 
     Returns
@@ -387,7 +389,7 @@ def imported(
 
 
 def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> Heights:
-    """Return the heights in a file, as levels of `unit_cm`, by default that of the file."""
+    """Return the heights in a file, as levels of `unit_cm`, by default of the unit that the file says."""
     import numpy as np
 
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
@@ -395,7 +397,7 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
 
 
 def recipe_of_heights(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
-    """Return the recipe of one map of heights, with those of filled holes as their own matrix; see `imported`."""
+    """Return the recipe of one map of heights; filled holes are a matrix of their own; see `imported`."""
     import numpy as np
 
     from rsegen.obstacles.matrix import Matrix

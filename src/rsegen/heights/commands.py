@@ -55,12 +55,13 @@ def add_import(command: Parser) -> None:
 
 
 def run_import(arguments: argparse.Namespace) -> Report:
-    """Import, generate, and say what was made and how far heights were rounded."""
+    """Import a file, generate the map, and report what was made and how far heights were rounded."""
     from rsegen.heights.base import heights_in, importer_for, recipe_of_heights
     from rsegen.heights.pictures import rounding_plot
     from rsegen.scene.scene import compose
 
     path, picture = Path(arguments.file), picture_of(arguments.errors, force=arguments.force)
+    # Two parameters of the recipe decide how heights are read: the unit, of which levels are made, and the chunk size.
     given_values, sorts = recipe_flags(arguments), parameters(Recipe)
     settled = {
         name: sorts[name].check(name, given_values[name]) for name in ("unit_cm", "chunk_size") if name in given_values
@@ -88,10 +89,10 @@ _SAME_UNIT = 1e-4
 
 def _other_unit(heights: Heights, values: str) -> Iterator[str]:
     """Yield a line if the file says that its heights are in another unit than in the one that the user says."""
-    said, read = heights.metres_up, CENTIMETRES.get(values, 0) / 100
-    if said and read and abs(read / said - 1) > _SAME_UNIT:
-        near = (name for name, length in CENTIMETRES.items() if abs(length / 100 / said - 1) <= _SAME_UNIT)
-        unit = next(near, f"{decimal(round(said, 6))} m")
+    of_file, read = heights.metres_up, CENTIMETRES.get(values, 0) / 100
+    if of_file and read and abs(read / of_file - 1) > _SAME_UNIT:
+        near = (name for name, length in CENTIMETRES.items() if abs(length / 100 / of_file - 1) <= _SAME_UNIT)
+        unit = next(near, f"{decimal(round(of_file, 6))} m")
         yield f"warning: heights are read in {values}, and by the file their unit is {unit} (--values)"
 
 

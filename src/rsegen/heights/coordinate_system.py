@@ -23,10 +23,10 @@ IN_METRES = "gdalwarp -t_srs {} FILE NEW.tif"
 """The command that projects a map of ground."""
 
 _MOST_BYTES = 2**16
-"""Bytes of a text in WKT that are read at most; that of a system has some thousand."""
+"""Bytes of a text in WKT that are read at most; a system has some thousand."""
 
 _MODEL_TYPE, _SYSTEM, _UNIT, _UNIT_SIZE, _UNIT_UP = 1024, 3072, 3076, 3077, 4099
-"""Keys of GeoTIFF: type and code of the system, the code and the size of its unit, and the code of that of heights."""
+"""Keys of GeoTIFF: type and code of the system, code and size of its unit, and the code of the unit of heights."""
 
 _ZONES = (*range(32601, 32661), *range(32701, 32761), *range(25828, 25839))
 """Codes of EPSG of the zones of UTM, of WGS 84 and of ETRS89: in metres, which MATLAB takes to be known."""
@@ -34,7 +34,7 @@ _ZONES = (*range(32601, 32661), *range(32701, 32761), *range(25828, 25839))
 _MERCATORS, _PROJECTION, _MERCATOR = (3857, 3395, 3785, 41001, 54004), 3075, 7
 """Codes of systems in Mercator's projection (EPSG, and older ones); the key of GeoTIFF for a projection, and its value.
 
-Those of UTM are in the transverse one, and true to scale.
+Systems of UTM are in the transverse projection, and true to scale.
 """
 
 _MERCATOR_IN_WKT = re.compile(
@@ -109,6 +109,7 @@ class CellSides(NamedTuple):
 
 def of_keys(keys: Sequence[int], doubles: Sequence[float] = ()) -> CoordinateSystem:
     """Return the system that the keys of a GeoTIFF or of a laser scan name: four numbers for each, after a header."""
+    # A key is (key, tag, count, value): without a tag the value itself, else its index in the numbers of that tag.
     values: dict[int, float] = {}
     for key, tag, _, value in zip(*(keys[4 + at :: 4] for at in range(4)), strict=False):
         if tag == 0:
@@ -128,6 +129,8 @@ def of_wkt(text: str) -> CoordinateSystem:
     if line := re.search(r"^\s*units\s+(\w+)", text[:_MOST_BYTES], re.IGNORECASE | re.MULTILINE):
         unit = line[1].lower()
         return CoordinateSystem(unit in ("dd", "ds"), METRES.get(unit))
+    # `opened` are the brackets around a token, so a unit of length counts for the innermost system that it is in; an
+    # axis may have its own. Places and heights may each have one: lengths[False] and lengths[True].
     opened, seen, words, lengths = list[str](), set[str](), set[str](), dict[bool, float]()
     for keyword, _, end, word in _TOKEN.findall(text[:_MOST_BYTES]):
         if keyword and len(opened) >= _DEEPEST:
@@ -150,7 +153,7 @@ def of_wkt(text: str) -> CoordinateSystem:
 
 
 def beside(path: Path) -> CoordinateSystem:
-    """Return the system in NAME.prj next to a file of Esri; one of which nothing is known if there is none."""
+    """Return the system in NAME.prj next to a file of Esri; without that file one of which nothing is known."""
     content = regular_content(path.with_suffix(".prj"), _MOST_BYTES) or b""
     return of_wkt(content.decode("utf-8", "replace"))
 
@@ -161,15 +164,16 @@ def refuse_distorted(path: Path, system: CoordinateSystem, place: tuple[float, f
     place: x and y of any of them; command: what projects it, with `{}` for its system.
     """
     if system.is_geographic:
-        longitude, latitude, what = *place, "are in degrees"
+        longitude, latitude, problem = *place, "are in degrees"
     else:
+        # The inverse of Mercator's projection; sinh of 9 is at the pole but for 0.02 degrees, and cannot overflow.
         x, y = (along * (system.metres or 1) / _RADIUS for along in place)
-        longitude, latitude, what = degrees(x), degrees(atan(sinh(max(min(y, 9.0), -9.0)))), ""
+        longitude, latitude, problem = degrees(x), degrees(atan(sinh(max(min(y, 9.0), -9.0)))), ""
         if system.is_mercator and (larger := 1 / cos(radians(latitude))) > _AS_LARGE:
-            what = f"are in Mercator's projection, {larger:.4g} times as far apart as on the ground"
-    if what:
+            problem = f"are in Mercator's projection, {larger:.4g} times as far apart as on the ground"
+    if problem:
         advice = command.format(f"EPSG:{_utm(longitude, latitude)}")
-        raise FileError(f"{path}: its places {what}; write them in metres with `{advice}`")
+        raise FileError(f"{path}: its places {problem}; write them in metres with `{advice}`")
 
 
 def _utm(longitude: float, latitude: float) -> str:

@@ -82,6 +82,7 @@ def turn_of(image: Image) -> Turn:
     if matrix is None:
         # GDAL takes y for descending whatever its sign is, as some programs write that wrongly.
         return Turn(columns=bool((np.ravel(_tags(image).get(_SCALE, ()))[:1] < 0).any()))
+    # x and y per column and per row: the larger share of x says which of both runs east.
     (x_column, x_row), (y_column, y_row) = matrix[:2, :2].tolist()
     is_swapped = abs(x_row) > abs(x_column)
     east, south = (x_row, y_column) if is_swapped else (x_column, y_row)
@@ -110,8 +111,8 @@ def _system(image: Image) -> CoordinateSystem:
 
 def metres_up(path: Path, image: Image) -> float | None:
     """Return metres of the unit of heights by the metadata of GDAL or the keys of a file; None if it says none."""
-    said = next((item.text for role, item in _items(path, image) if role == "unittype"), None) or ""
-    return METRES.get(said.strip().lower(), _system(image).metres_up)
+    unit = next((item.text for role, item in _items(path, image) if role == "unittype"), None) or ""
+    return METRES.get(unit.strip().lower(), _system(image).metres_up)
 
 
 def sides(path: Path, image: Image) -> CellSides | None:
@@ -147,15 +148,15 @@ def no_data(image: Image) -> float | None:
 
 def refuse_mask(path: Path, image: Image) -> None:
     """Raise a FileError for a TIFF with a mask, as what is without data then is in another image of the file."""
-    number, kind = 1, 0
-    while image.format == "TIFF" and number < _MOST_IMAGES and not kind & _OF_MASK:
+    place, kind = 1, 0
+    while image.format == "TIFF" and place < _MOST_IMAGES and not kind & _OF_MASK:
         try:
-            image.seek(number)
+            image.seek(place)
         except EOFError:
             break
         except SyntaxError:  # Pillow knows no images of one bit that are masks, but has read what this one is
             pass
-        kind, number = int(_tags(image).get(_KIND, 0)), number + 1
+        kind, place = int(_tags(image).get(_KIND, 0)), place + 1
     image.seek(0)
     if kind & _OF_MASK:
         advice = "gdalwarp -ot Float32 -dstnodata -9999 FILE NEW.tif"
@@ -164,18 +165,18 @@ def refuse_mask(path: Path, image: Image) -> None:
 
 def as_heights(path: Path, image: Image, numbers: Array) -> Array:
     """Return the numbers of pixels as heights: by the factor and the sum that the file says, if it says any."""
-    said = {"scale": 1.0, "offset": 0.0}
+    factors = {"scale": 1.0, "offset": 0.0}
     for role, item in _items(path, image):
-        if role in said:
+        if role in factors:
             try:
-                said[role] = float(item.text or "")
+                factors[role] = float(item.text or "")
             except ValueError:
                 raise FileError(f"{path}: its {role} of heights, in GDAL_METADATA, is not a number") from None
-    return numbers * said["scale"] + said["offset"]
+    return numbers * factors["scale"] + factors["offset"]
 
 
 def _items(path: Path, image: Image) -> Iterator[tuple[str, Element]]:
-    """Yield the items of GDAL's metadata on the first band that have a role, and it."""
+    """Yield the role and the item of each item of GDAL's metadata on the first band that has a role."""
     text = str(_tags(image).get(_METADATA, "")).strip("\x00 \n")
     for item in xml_root(text, f"{path}: GDAL_METADATA").iter("Item") if text else ():
         if item.get("role") and item.get("sample", "0") == "0":

@@ -73,9 +73,11 @@ class Picture(Measured):
         Measured.__post_init__(self)
         if (self.values == "depth") != (self.camera_cm is not None):
             raise ParameterError("camera_cm", "the height of the camera is needed with values: depth, and only there")
-        given = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
-        if given:
-            raise ParameterError(given[0], "is for heights and depths (values: mm, m, ...); grey values have no unit")
+        misplaced = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
+        if misplaced:
+            raise ParameterError(
+                misplaced[0], "is for heights and depths (values: mm, m, ...); grey values have no unit"
+            )
         if self.framed and self.values != "grey":
             raise ParameterError("framed", "is for values: grey, as the format heightmap writes them")
 
@@ -93,9 +95,9 @@ class Picture(Measured):
         return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
     def _heights_cm(self, path: Path) -> tuple[Array, CellSides | None, float | None]:
-        """Return the heights of all pixels, (n_x, n_y), and, if the file says them, the sides of pixels and its unit.
+        """Return the heights of all pixels, (n_x, n_y), nan where a depth camera saw nothing, or for no data.
 
-        The last is metres of the unit of heights. nan where a depth camera saw nothing, or for no data
+        And, if the file says them, the sides of pixels, and metres of the unit of heights.
         """
         import numpy as np
 
@@ -106,7 +108,7 @@ class Picture(Measured):
                 raise FileError(f"{path}: {image.mode} pixels; heights and depths need {kinds}")
             cells, turn, depth_cm = geotiff.sides(path, image), geotiff.turn_of(image), _DEPTH_CM[image.mode == "F"]
             metres_up = geotiff.metres_up(path, image)
-            heights = turn.of(_known_heights(path, image))[::-1].T
+            heights = turn.of(_known_heights(path, image))[::-1].T  # rows from the north -> (x, y)
         if self.camera_cm is None:
             return heights * CENTIMETRES[self.values], cells, metres_up
         return np.where(heights == 0, np.nan, self.camera_cm - heights * depth_cm), cells, None
@@ -152,13 +154,14 @@ def _without_frames(levels: Ints, blocks: Cell) -> tuple[Ints, dict[str, object]
     if n_x % (m_x + 2) or n_y % (m_y + 2):
         problem = f"{m_x}x{m_y} blocks with frames are {m_x + 2} x {m_y + 2} cells, which do not divide {n_x} x {n_y}"
         raise ParameterError("framed", problem)
+    # A frame is a cell before and a cell behind the blocks.
     inside = [0 < at % (side + 2) <= side for n, side in zip(levels.shape, blocks, strict=True) for at in range(n)]
-    kept = levels[np.ix_(inside[:n_x], inside[n_x:])]
+    unframed = levels[np.ix_(inside[:n_x], inside[n_x:])]
     if levels.shape == (m_x + 2, m_y + 2):
-        return kept, {"boundary": "outer"}
+        return unframed, {"boundary": "outer"}
     if m_x != m_y:
         raise ParameterError("framed", f"{m_x}x{m_y}: chunks are squares; use the blocks of one, as in 10x10")
-    return kept, {"boundary": "divided", "chunk_size": m_x}
+    return unframed, {"boundary": "divided", "chunk_size": m_x}
 
 
 _OPAQUE = 255
@@ -189,6 +192,7 @@ def brightness(path: Path, size: Sequence[int] | None = None, *, alike: bool = F
 
     if opaque_rows is None:
         return means(rows) / white
+    # The mean of what is seen of a cell: each pixel counts by its opacity.
     weighted, opacity = means(rows * opaque_rows), means(opaque_rows)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(opacity >= _LEAST_KNOWN * _OPAQUE, weighted / opacity / white, np.nan)
@@ -206,6 +210,8 @@ def area_means(values: Ints, size: Sequence[int]) -> Array:
     for axis, cells in enumerate(size):
         n = values.shape[axis]
         along = np.moveaxis(sums, axis, 0)
+        # Cell k ends behind k * n / cells values: `whole` of them, and part / cells of the next. Sums up to there times
+        # `cells` are whole numbers, and their differences are the sums of the cells.
         whole, part = np.divmod(np.arange(cells + 1, dtype=np.uint64) * np.uint64(n), np.uint64(cells))
         before = np.concatenate([np.zeros_like(along[:1]), np.cumsum(along, axis=0, dtype=np.uint64)])
         last = along[np.minimum(whole, n - 1)]  # of which the part at the end of a cell is 0
@@ -221,6 +227,7 @@ def _grey(path: Path, image: Image, *, alike: bool) -> tuple[Ints, float, Ints |
     """
     import numpy as np
 
+    # Three kinds: floating-point numbers, which have no white; 16 bits; and 8 bits, grey or colours.
     none = geotiff.no_data(image)
     if image.mode == "F":
         low, high = image.getextrema()

@@ -58,9 +58,10 @@ _BITS, _SAMPLE_FORMAT, _UNSIGNED = 258, 339, 1
 
 
 def numbers_of(image: Image) -> Array:
-    """Return the numbers of an image of one channel as its file has them, (rows, columns); it is decoded here.
+    """Decode an image of one channel, and return its numbers as its file has them, (rows, columns).
 
-    Pillow stretches those of a PGM to 8 or 16 bits, unless its largest one is theirs, and takes 32 bits for signed.
+    Pillow stretches a PGM to 8 or 16 bits, unless its own white is the largest number of these, and takes 32 bits for
+    signed.
     """
     import numpy as np
 

@@ -49,6 +49,7 @@ def sampled(
     """
     import numpy as np
 
+    # Points lie evenly on each block, about one per cell of the file; (u, v) of the map are turned into the file.
     most = max(min(_MOST_ALONG, isqrt(_MOST_SAMPLES // (size[0] * size[1]))), 1)
     samples = [min(max(ceil(cells), 1), most) for cells in per_block]
     along = [
@@ -67,7 +68,7 @@ def _heights_at(heights: Array, origin: Sequence[float], u: Array, v: Array, tur
 
     c, s = turned
     x, y = (
-        np.floor(np.round(along, 6)).astype(np.int64)
+        np.floor(np.round(along, 6)).astype(np.int64)  # a point on an edge stays on its side
         for along in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
     )
     n_x, n_y = heights.shape
@@ -159,18 +160,18 @@ class Measured(Importer):
         )
 
     def _of_blocks(self, cells: CellSides, shape: tuple[int, ...]) -> CellSides:
-        """Return the sides of the blocks of a map, from those of the cells of the file."""
-        if int(self.rotation // 90) % 2:
+        """Return the sides of the blocks of a map, from the sides of the cells of its file."""
+        if int(self.rotation // 90) % 2:  # a quarter turn swaps x and y
             cells = cells._replace(x=cells.y, y=cells.x)
         return cells.of_blocks(*self._per_block(shape)) if self.size else cells
 
     def _resampled(self, heights: Array) -> Array:
-        """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
+        """Return the heights of the blocks of a map; without `size` a cell of the file is a block."""
         import numpy as np
 
-        quarters, rest = divmod(self.rotation, 90)
+        quarters, remainder = divmod(self.rotation, 90)
         if self.size is None:
-            if rest or self.origin or self.cells_per_block:
+            if remainder or self.origin or self.cells_per_block:
                 raise ParameterError(
                     "size", "missing; origin, rotation and cells_per_block need the number of blocks along x and y"
                 )
@@ -181,15 +182,16 @@ class Measured(Importer):
 
     def _per_block(self, shape: tuple[int, ...]) -> tuple[float, float]:
         """Return how many cells of a file of a shape a block has along x and y of a map of `size`."""
-        quarters, rest = divmod(self.rotation, 90)
-        if self.cells_per_block is not None or self.origin is not None or rest:
+        quarters, remainder = divmod(self.rotation, 90)
+        if self.cells_per_block is not None or self.origin is not None or remainder:
             return (self.cells_per_block or 1.0,) * 2
+        # Nothing but a size: the map has all of the file.
         n_x, n_y = shape[:: -1 if quarters % 2 else 1]
         size_x, size_y = self.size or (n_x, n_y)
         return n_x / size_x, n_y / size_y
 
     def _centred(self, heights: Array, per_block: tuple[float, float]) -> tuple[float, float]:
-        """Return the south-west corner of a map whose middle is that of the file."""
+        """Return the south-west corner, in cells of the file, of a map that is centred on it."""
         u, v = (blocks * cells / 2 for blocks, cells in zip(self.size or (), per_block, strict=True))
         c, s = cos(radians(self.rotation)), sin(radians(self.rotation))
         n_x, n_y = heights.shape

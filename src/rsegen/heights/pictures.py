@@ -1,4 +1,4 @@
-"""A picture of by how much measured heights were rounded."""
+"""A picture of the rounding errors of measured heights."""
 
 from __future__ import annotations
 

@@ -103,6 +103,7 @@ def _rows(path: Path, text: str, head: re.Match[str]) -> Iterator[tuple[int, Cel
     rows = max(body.count(end) - body.endswith(end) for end in "\n\r")
     if rows > _MOST_ROWS:
         raise FileError(f"{path}: {rows:,} rows; up to {_MOST_ROWS:,} can be read")
+    # Quotes are stripped here: for csv, a quote that is not closed would make one cell of all rows after it.
     try:
         for line, row in enumerate(csv.reader(body.splitlines()[1:], delimiter=head[1], quoting=csv.QUOTE_NONE), first):
             cells = [cell.strip(' "') for cell in row]
@@ -150,6 +151,7 @@ class Table(Measured):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
+        # Three kinds of files, known by their text: build sheets, Esri's grids, and plain rows of numbers.
         text = text_of(path, _MAX_TABLE_MIB, "a table of heights")
         if head := _head().search(text):
             written = head["unit"]

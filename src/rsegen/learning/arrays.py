@@ -58,7 +58,7 @@ def is_real(array: Any) -> bool:
 
 
 def can_be_asked(array: Any) -> bool:
-    """Return whether the numbers of an array are known now: those of jax, or of what torch compiles, may not be."""
+    """Return whether an array is one of torch whose values can be read now; in jax and `torch.compile` they may not."""
     return hasattr(array, "is_cuda") and not import_module("torch").compiler.is_compiling()
 
 
@@ -79,31 +79,32 @@ def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
     """Return the least and the highest level in each rectangle of `wide` cells along x and y: (..., n_x, n_y) each."""
     library, ends = _library(_package(levels)), []
     for combine in (library.minimum, library.maximum):
-        own = levels
+        combined = levels
         for axis, cells in enumerate(wide):
-            # Each place is combined with those that follow it along the axis; y is the last one.
-            places, rest = own.shape[axis - 2] - cells + 1, [slice(None)] * (1 - axis)
-            own = reduce(combine, [own[(..., slice(first, first + places), *rest)] for first in range(cells)])
-        ends.append(own)
+            # First along x, then along y: each place is combined with the cells after it on the axis.
+            places, y_axis = combined.shape[axis - 2] - cells + 1, [slice(None)] * (1 - axis)
+            shifted = [combined[(..., slice(first, first + places), *y_axis)] for first in range(cells)]
+            combined = reduce(combine, shifted)
+        ends.append(combined)
     return ends[0], ends[1]
 
 
 def draws_of(random: Any, library: Any, where: str = "random") -> Iterator[Callable[[str, Any], Any]]:
     """Yield functions of a distribution and an array, which give random numbers of its shape, type and device.
 
-    random: a Generator of numpy or torch, None for torch's own, or a key of jax; ParameterError for that of another one
+    random: a Generator of numpy or torch, None for torch's own, or a key of jax; ParameterError if another library's
     """
     if not _is_of(random, library):
         name = library.__name__.partition(".")[0]
-        wanted = "key" if name == "jax" else "Generator"
-        raise ParameterError(where, f"{shown(random)} is no {wanted} of {name}, and the arrays are of {name}")
+        sort = "key" if name == "jax" else "Generator"
+        raise ParameterError(where, f"{shown(random)} is no {sort} of {name}, and the arrays are of {name}")
     while True:
         if library is np:
             yield partial(_of_numpy, random)
         elif hasattr(library, "Generator"):
             yield partial(_of_torch, random, library)
         else:
-            random, own = import_module("jax.random").split(random)
+            random, own = import_module("jax.random").split(random)  # a key gives the same numbers each time
             yield partial(_of_jax, own)
 
 

@@ -40,6 +40,7 @@ class BlockArrays:
         self.position: Array = position_of(pos)
         self.shape: tuple[int, int] = recipe.grid.shape
         width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
+        # A flat map has the edges of all maps, and its scene the colours of all levels.
         field = unframed(np.zeros(self.shape, dtype=np.int16), width, unit)
         look = Scene(recipe=recipe, index=0, field=field)
         levels = range(1, recipe.highest_level + 1)
@@ -69,6 +70,7 @@ class BlockArrays:
         """The centres of the blocks in the world, (..., blocks, 3), metres."""
         heights = self._heights(levels)
         centres = np.empty((*heights.shape, 3))
+        # A block reaches from BELOW under the ground up to its height.
         centres[..., 0], centres[..., 1], centres[..., 2] = self._x[:, None], self._y, (heights - BELOW) / 2
         return _rows(centres + self.position)
 
@@ -90,7 +92,7 @@ class BlockArrays:
         return np.asarray(self._checked(levels) * self._unit, dtype=float)
 
     def _checked(self, levels: Ints) -> Ints:
-        """Return levels as an array; ParameterError if they are none of a map of the recipe."""
+        """Return levels as an array; ParameterError unless they fit a map of the recipe."""
         own = np.asarray(levels)
         if own.dtype.kind not in "iu":
             raise ParameterError("levels", f"of {own.dtype}; expected integers, in units")

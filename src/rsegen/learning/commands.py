@@ -51,7 +51,7 @@ def add_terrain(command: Parser) -> None:
 
 
 def run_terrain(arguments: argparse.Namespace) -> Report:
-    """Write it, and say what was made."""
+    """Write the terrain as a map, and the list of its tiles next to it."""
     from rsegen.learning.terrain import Terrain
     from rsegen.recipe.recipe_file import load, or_example
 
@@ -63,7 +63,7 @@ def run_terrain(arguments: argparse.Namespace) -> Report:
     terrain = Terrain(recipes=recipes, **values)
     path = Path(arguments.folder) / f"{terrain.name}_0000.json"
     with counting(terrain.rows * terrain.columns, "tile") as progress:
-        terrain = replace(terrain, progress=progress)
+        terrain = replace(terrain, progress=progress)  # the bar needs a count, which the terrain has checked
         report = produce(terrain.recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
     return report if arguments.json else replace(report, notes=[f"its tiles: {path}"])
 

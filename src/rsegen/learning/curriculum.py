@@ -53,10 +53,10 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
         The next rows, in the library of `rows`.
     """
     library, own = library_of("rows", rows)
-    if "int" not in str(own.dtype) or own.ndim != 1:
+    if not is_whole(own) or own.ndim != 1:
         raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; expected integers, one per robot")
     count, length = _COUNT.check("count", count), _LENGTH.check("length", length)
-    walked, commanded = (_of_robots(own, name, given) for name, given in (("walked", walked), ("commanded", commanded)))
+    walked, commanded = (_of_robots(own, *named) for named in (("walked", walked), ("commanded", commanded)))
     up = walked > length / 2
     down = ~up & (walked < commanded / 2) & (own > 0)  # below 0 is a large number where rows are unsigned
     after = own + array_like(own, up, own.dtype) - array_like(own, down, own.dtype)
@@ -64,7 +64,7 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
 
 
 def _of_robots(rows: Any, where: str, values: Any) -> Any:
-    """Return a number of each robot as an array like that of their rows; one number is that of all."""
+    """Return a value per robot as an array in the library of their rows; a single number counts for all."""
     own = array_like(rows, values)
     if not (is_real(own) or is_whole(own)):
         raise ParameterError(where, f"of {own.dtype}; expected metres")
@@ -74,9 +74,10 @@ def _of_robots(rows: Any, where: str, values: Any) -> Any:
 
 
 def _drawn_rows(rng: Any, rows: Any, count: int) -> Any:
-    """Return a random one of `count` rows for each robot, in an array like that of their rows."""
+    """Return a random row below `count` for each robot, as an array of the type of their rows."""
     if not isinstance(rng, np.random.Generator):
         library, _ = library_of("rows", rows)
+        # rows * 0.0: an array of real numbers of their shape, on their device.
         return as_type(library.floor(next(draws_of(rng, library, "rng"))("uniform", rows * 0.0) * count), rows.dtype)
     if is_traced(rows):
         raise ParameterError("rng", "a Generator of numpy draws only once in what jax compiles; use a key of jax")

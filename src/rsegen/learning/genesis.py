@@ -20,15 +20,15 @@ from rsegen.learning.tile import SAMPLES, corner_heights
 
 
 def terrain_morph(field: StepField, pos: Sequence[float] = (0, 0, 0), samples: int = 4) -> Any:
-    """Return a morph of a field, its middle at `pos` in metres.
+    """Return a height-field morph of a field, whose middle is at `pos` in metres.
 
-    samples: of heights along each side of a block. A height field has slopes in place of vertical sides: that of a
+    samples: of heights along each side of a block. A height field has slopes in place of vertical sides: the slope of a
     higher block begins at its edge, and ends on the lower one, a sample farther on.
     """
     refuse_other("field", field, StepField)
     samples, middle = SAMPLES.check("samples", samples), position_of(pos)
     return gs.morphs.Terrain(
-        pos=tuple((middle - [*np.array(field.extent) / 2, 0.0]).tolist()),
+        pos=tuple((middle - [*np.array(field.extent) / 2, 0.0]).tolist()),  # of its corner
         horizontal_scale=field.block_width / samples,
         vertical_scale=1.0,
         height_field=corner_heights(field.heights, samples),

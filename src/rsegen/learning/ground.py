@@ -136,8 +136,8 @@ class Ground:
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
         levels = as_type(self._checked(given, is_new=True), around.dtype)
         self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), levels)
-        self._every = array_like(given, np.arange(many[0] if many else 0))
-        self._fixed: StepField | None = None
+        self._all_worlds = array_like(given, np.arange(many[0] if many else 0))
+        self._fixed: StepField | None = None  # of a ground that cannot be written, as its materials are no levels
 
     @classmethod
     def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Ground:
@@ -153,7 +153,7 @@ class Ground:
         levels_alone = replace(recipe, boundary="none")
         ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, contact=contact)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
-        ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
+        ground._cells[1:-1, 1:-1] = np.argsort(order)[material]  # the inverse of the order: where each one is now
         ground._fixed = field
         return ground
 
@@ -166,9 +166,9 @@ class Ground:
         pos: Sequence[float] = (0, 0, 0),
         contact: Contact = CONTACT,
     ) -> Ground:
-        """Return the ground of a field without frames, each of whose cells has a friction; it cannot be written.
+        """Return the ground of a field without frames and with a friction per cell; it cannot be written.
 
-        friction: (n_x, n_y); recipe: that of the ground around the field.
+        friction: (n_x, n_y); recipe: its friction is also the one of the ground around the field.
         """
         levels_alone = replace(recipe, boundary="none")
         ground = cls(levels_alone, np.zeros(field.shape, dtype=np.int16), pos, contact=contact)
@@ -224,16 +224,17 @@ class Ground:
     def acting_friction(self, points: Any, own: Any, priority: int = 0, worlds: Any = None) -> Any:
         """Return the coefficient that acts in MuJoCo between the ground and what is on it at points, (...,).
 
-        own: the coefficient of that, a number or (...,); priority: the priority of its geoms. The higher priority
+        own: the coefficient of what is on it, a number or (...,); priority: of its geoms. The higher priority
         decides; of equal ones MuJoCo takes the larger coefficient. Where blocks decide with a `condim` of 1, none acts.
         """
         ground = self.friction(points, worlds)
         if priority < self.contact.priority and self.contact.condim == 1:
             return ground * 0
-        other = ground * 0 + (own if isinstance(own, int | float) else self._here(own, ground.dtype))
+        # A number too becomes an array of the shape of the ground's, on its device.
+        of_robot = ground * 0 + (own if isinstance(own, int | float) else self._here(own, ground.dtype))
         if priority == self.contact.priority:
-            return self.library.maximum(ground, other)
-        return other if priority > self.contact.priority else ground
+            return self.library.maximum(ground, of_robot)
+        return of_robot if priority > self.contact.priority else ground
 
     def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
         """Return the height of the highest block in squares around points, (...,), metres.
@@ -247,12 +248,13 @@ class Ground:
         """Return unit normals, (..., 3), of the planes through the ground in squares around points.
 
         Tops are level, so the normal of the ground at a point says nothing. This is the plane of least squares through
-        5 x 5 heights up to `radius` metres along x and y: that of the ground under a foot or a robot.
+        5 x 5 heights up to `radius` metres along x and y: the slope of the ground under a foot or a robot.
         """
         if not 0 < radius < inf:
             raise ParameterError("radius", f"{shown(radius)} m; use one above 0, as tops are level")
         points, library = self.own("points", points), self.library
-        # The heights of five rows along x, each of five points along y; their sums over the squares of the distances.
+        # On a symmetric grid the slope of least squares is sum(step * height) / sum(step ** 2), along each axis alone:
+        # along x over the rows of `heights`, along y over its columns.
         steps = [radius * (2 * place / (_PLANE - 1) - 1) for place in range(_PLANE)]
         x, y = points[..., 0], points[..., 1]
         heights = [[self.heights(library.stack([x + dx, y + dy], -1), worlds) for dy in steps] for dx in steps]
@@ -276,6 +278,7 @@ class Ground:
             )
         pattern = as_type(self.own("pattern", pattern), poses.dtype)
         check_pattern(pattern)
+        # The pattern, x forward and y to the left, turned by the yaw and moved into the world.
         cosine, sine = self.library.cos(poses[..., 3:]), self.library.sin(poses[..., 3:])
         x = poses[..., :1] + cosine * pattern[:, 0] - sine * pattern[:, 1]
         y = poses[..., 1:2] + sine * pattern[:, 0] + cosine * pattern[:, 1]
@@ -304,6 +307,7 @@ class Ground:
         n_x, n_y = self._inner.shape[-2:]
         if wide[0] > n_x or wide[1] > n_y:
             raise ParameterError("size", f"{size[0]:g} x {size[1]:g} m is larger than the map of {n_x} x {n_y} blocks")
+        # A place is the cell of smallest x and y of a rectangle of `wide` cells.
         low, high = extremes(self._index(self._inner), wide)
         *many, along_x, along_y = low.shape
         places = along_x * along_y
@@ -315,7 +319,7 @@ class Ground:
         bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
         uneven = (tops - bottoms) / self.unit + chance + _HOLE * (bottoms < self._floor - _EDGE)
         best = library.argsort(uneven.reshape((*many, places)), -1)[..., :count]
-        rows = (self._every[:, None],) if many else ()
+        rows = (self._all_worlds[:, None],) if many else ()
         z = tops.reshape((*many, places))[(*rows, best)]
         i, j = best // along_y, best % along_y
         x, y = (
@@ -345,6 +349,8 @@ class Ground:
 
     def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
         """Return the material of the highest block in squares around points: an index into the tables."""
+        # Materials are sorted by height, so the highest block has the largest one. The cells are one line of numbers:
+        # the cell (i, j) of a world is at (world * n_x + i) * n_y + j.
         cells, n_y = self._cells.reshape(-1), self._cells.shape[-1]
         before, highest = self._before(points, worlds), None
         rows, columns = (self._indices(points[..., axis], own, axis) for axis, own in enumerate(self._places(radius)))
@@ -376,14 +382,15 @@ class Ground:
     def _indices(self, coordinates: Any, places: Sequence[float | Array], axis: int) -> list[Any]:
         """Return the indices of cells along an axis, at each place of a square; what is no number is outside."""
         library, last = self.library, self._cells.shape[axis - 2] - 1
+        # In blocks from the corner of the row around the map, which is half of all its cells from the middle.
         middle = coordinates / self.block_width + ((last + 1) / 2 - self._middle[axis] / self.block_width)
-        found = []
+        indices = []
         for place in places:
             cell = middle + (place if isinstance(place, float) else self._here(place, coordinates.dtype))
             if library is np:  # which warns of what is no number
                 cell = np.nan_to_num(np.clip(cell, 0, last))
-            found.append(library.clip(self._index(cell), 0, last))
-        return found
+            indices.append(library.clip(self._index(cell), 0, last))
+        return indices
 
     def _before(self, points: Any, worlds: Any) -> Any:
         """Return how many cells are before the worlds along the first axis of points: 0 for one map."""
@@ -391,8 +398,8 @@ class Ground:
             return 0
         rows = self._rows(worlds)
         if points.ndim < 2 or points.shape[0] != len(rows):
-            given = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
-            raise ParameterError("points", f"{given}; expected ({len(rows)}, ..., {points.shape[-1]})")
+            problem = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
+            raise ParameterError("points", f"{problem}; expected ({len(rows)}, ..., {points.shape[-1]})")
         return self._index(rows.reshape((-1, *[1] * (points.ndim - 2)))) * (
             self._cells.shape[-2] * self._cells.shape[-1]
         )
@@ -402,7 +409,7 @@ class Ground:
         if self.worlds is None:
             raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; leave it out")
         if worlds is None:
-            return self._every
+            return self._all_worlds
         library, rows = self._library_of("worlds", worlds)
         if rows.ndim != 1 or (len(rows) and not is_whole(rows)):
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
@@ -412,27 +419,26 @@ class Ground:
         return rows if is_whole(rows) else self._index(rows)  # an empty list is one of floats
 
     def _library_of(self, where: str, given: Any) -> tuple[Any, Any]:
-        """Return the library of an array, and the array; one of that of the levels needs no look."""
+        """Return the library of an array, and the array; arrays of the class of the levels need no look-up."""
         return (self.library, given) if isinstance(given, self._array) else library_of(where, given)
 
     def _here(self, array: Any, dtype: Any = None) -> Any:
-        """Return an array on the device of the levels, in a type of their library; one that is there stays."""
+        """Return an array on the device of the levels, in a type of their library; an array of it stays where it is."""
         if not isinstance(array, self._array):
             return array_like(self._cells, array, dtype)
         return array if dtype is None else as_type(array, dtype)
 
     def own(self, where: str, given: Any, least: int = 2) -> Any:
-        """Return an array of real numbers as one of the library of the levels, on their device.
+        """Return an array as real numbers in the library of the levels, on their device.
 
-        Whole numbers become real ones, and those of half precision single ones: their steps are a part of a block.
-
-        Its last axis has `least` numbers or more, or a ParameterError says `where` it comes from.
+        Integers become real numbers, and half precision becomes single: at 10 m its steps are 8 mm. ParameterError,
+        which names `where`, if its last axis has fewer than `least` numbers.
         """
         library, array = self._library_of(where, given)
         if library is not self.library:
             if library is not np:
-                own, other = self.library.__name__, library.__name__
-                raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; use that")
+                own, theirs = self.library.__name__, library.__name__
+                raise ParameterError(where, f"an array of {theirs}, and the levels are one of {own}; use that")
             array = array_like(self._cells, array, self.library.float32)
         elif not is_real(array) or array.dtype.itemsize < _SINGLE:
             array = as_type(array, self._heights.dtype)
@@ -441,9 +447,9 @@ class Ground:
         return array
 
     def _checked(self, levels: Any, *, is_new: bool = False) -> Any:
-        """Return levels; ParameterError if they are no integers, or none of the recipe, where their numbers are known.
+        """Return levels; ParameterError if they are no integers, or, if their values are known, none of the recipe.
 
-        Those that are on a device, or that are being traced, are kept within the levels of the recipe.
+        Levels on a device, or being traced, are clipped to the levels of the recipe: a check would wait for them.
         """
         if not is_whole(levels):
             raise ParameterError("levels", f"of {levels.dtype}; expected integers, in units")

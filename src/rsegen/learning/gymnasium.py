@@ -40,7 +40,7 @@ class MapDraws:
         self._drawn: list[tuple[int, Levels]] = []
 
     def next(self, options: dict[str, Any] | None = None) -> tuple[int, Levels]:
-        """Return the index and the levels of the next map, or of that which the options of a reset name as `map`."""
+        """Return the index and the levels of the next map, or of the `map` in the options of a reset."""
         if options and "map" in options:
             index = _INDEX.check("options['map']", options["map"])
             return index, build_many(self._recipe, [index])[0]
@@ -48,7 +48,7 @@ class MapDraws:
             recipe = self._recipe
             draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
             indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
-            self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
+            self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]  # taken from the end
         return self._drawn.pop()
 
 
@@ -69,7 +69,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
         refuse_other("grid", grid, BlockGrid)
         if model is None:
             raise UserError(f"{self.unwrapped} has no model of MuJoCo; use one of Gymnasium's MujocoEnv")
-        grid.geoms(model)
+        grid.geoms(model)  # refuses a model without the blocks
         self._draws = MapDraws(grid.recipe, np.random.default_rng())
         self.ground: Ground = grid.ground(grid.highest)
         self._seats = Seats(model)
@@ -82,6 +82,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
         if seed is not None:
             self._draws = MapDraws(self.grid.recipe, np.random.default_rng(seed))
         index, levels = self._draws.next(options)
+        # The seats have a copy of the model, in which they look for contacts.
         for model in (self.unwrapped.model, self._seats.model):  # type: ignore[attr-defined]
             self.grid.write(model, levels)
         self.ground.write(levels)
@@ -96,6 +97,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.Rec
         if not hasattr(env, "set_state"):
             yield
             return
+        # A reset of MujocoEnv draws a state, and hands it to `set_state` before it observes.
         own, is_raised = env.set_state, False
 
         def set_state(qpos: Array, qvel: Array) -> None:

@@ -83,7 +83,7 @@ class StepFieldTerrainCfg(_Parameters):
             raise UnknownName.among("mesh", "mesh", self.mesh, MESHES)
         SPAWN_RADIUS.check("spawn_radius", self.spawn_radius)
         super().__post_init__()
-        if is_copy and self._sort in _COUNTS:
+        if is_copy and self._sort in _COUNTS:  # a generator's copy, which it makes for one tile
             self.tile = _COUNTS[self._sort]
             _COUNTS[self._sort] += 1
         self.__dict__[_MADE] = True

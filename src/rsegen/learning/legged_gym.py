@@ -62,10 +62,12 @@ class StepFieldTerrain:
         self.heightsamples: Levels = np.repeat(np.repeat(field.levels, samples, axis=0), samples, axis=1)
         self.height_field_raw = self.heightsamples
         self.tot_rows, self.tot_cols = self.heightsamples.shape
+        # The mesh begins at the corner of the field; as in tile.py, its field is raised by a level and lowered.
         half = np.array([*field.extent, 0.0]) / 2
         raised = unframed(field.levels + np.int16(1), width, field.unit)
         vertices, triangles = Tile(raised=raised, ground=0, size=field.extent, origin=half).mesh(surface)
         self.vertices, self.triangles = vertices.astype(np.float32), triangles.astype(np.uint32)
+        # legged_gym moves the mesh by -border_size, so origins count from the corner of the first tile.
         self.env_origins = terrain.origins + half
         for origin in self.env_origins.reshape(-1, 3):
             origin[2] = max(origin[2], highest_near(field, origin[:2], radius))

@@ -18,6 +18,7 @@ import mujoco
 import numpy as np
 from mjlab.terrains.terrain_generator import FlatPatchSamplingCfg, SubTerrainCfg, TerrainGeometry, TerrainOutput
 
+from rsegen.datasets.difficulty_tiles import kind_of_column
 from rsegen.errors import ParameterError, TooLarge, UnknownName
 from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
@@ -42,8 +43,8 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     most_boxes: of the whole terrain; 4,000 take 1.1 GB while mujoco_warp loads them, and twice as many four times that.
     spawn_radius: metres along x and y from the middle of a tile, above whose highest block its origin is: a reset that
     spreads robots this far, their size included, puts none into a block.
-    contact: its priority is above that of mjlab's robots, so the recipe's friction acts; by `Contact(priority=-1)` that
-    of the feet acts, which mjlab's events draw.
+    contact: its priority is above the one of mjlab's robots, so the recipe's friction acts; with `Contact(priority=-1)`
+    the friction of the feet acts, which mjlab's events draw.
     """
 
     recipe: Recipe
@@ -65,9 +66,10 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
         ground = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size)
+        # Around a block of a height field its slope counts too: origins and level places keep that much more distance.
         slope = slope_length(self.recipe.block_width_cm / 100, self.samples) if self.shape == "hfield" else 0.0
         sampling = (self.flat_patch_sampling or {}).items()
-        patches = {name: _patches(ground, wanted, slope, rng) for name, wanted in sampling}
+        patches = {name: _patches(ground, request, slope, rng) for name, request in sampling}
         if self.shape == "boxes":
             geometries = self._boxes(spec, ground)
         else:
@@ -82,7 +84,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     def _boxes(self, spec: mujoco.MjSpec, ground: Tile) -> list[TerrainGeometry]:
         look = Scene(recipe=self.recipe, index=0, field=ground.raised)
         body, columns = spec.body("terrain"), list(ground.columns())
-        count = len(body.geoms) + len(columns)
+        count = len(body.geoms) + len(columns)  # with the boxes of the tiles before
         if count > self.most_boxes:
             peak = f"{_PAIR_BYTES * count**2 / 1e9:.1f} GB in mujoco_warp"
             problem = f"more than {self.most_boxes:,} boxes, the budget of the terrain; {count:,} need {peak}"
@@ -97,23 +99,23 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
 
 
 def columns(recipes: Sequence[Recipe], count: int, **values: Any) -> dict[str, StepFieldTerrainCfg]:
-    """Return sub-terrains for the columns of a curriculum, which has one for each of them, whatever `num_cols` is.
+    """Return a sub-terrain for each of `count` columns of a curriculum: mjlab makes as many, whatever `num_cols` is.
 
-    Recipes have as many columns as each other, but for one; values: of each sub-terrain. ParameterError if there are
-    fewer columns than recipes.
+    All recipes have equally many neighbouring columns, or one more; values: of each sub-terrain. ParameterError if
+    there are fewer columns than recipes.
     """
     if not 0 < len(recipes) <= count:
         raise ParameterError("count", f"{count} columns for {len(recipes)} recipes; use one for each, or more")
-    chosen = [recipes[column * len(recipes) // count] for column in range(count)]
+    chosen = [recipes[kind_of_column(column, count, len(recipes))] for column in range(count)]
     return {
         f"{recipe.name}_{column}": StepFieldTerrainCfg(recipe=recipe, proportion=1.0 / count, **values)
         for column, recipe in enumerate(chosen)
     }
 
 
-def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, slope: float, rng: np.random.Generator) -> Array:
+def _patches(ground: Tile, request: FlatPatchSamplingCfg, slope: float, rng: np.random.Generator) -> Array:
     """Return level places on a tile, (patches, 3): fewer where there are fewer, and mjlab fills up with the origin."""
-    places = ground.level_squares(2 * (wanted.patch_radius + slope), wanted.max_height_diff)
-    for axis, (low, high) in enumerate((wanted.x_range, wanted.y_range, wanted.z_range)):
+    places = ground.level_squares(2 * (request.patch_radius + slope), request.max_height_diff)
+    for axis, (low, high) in enumerate((request.x_range, request.y_range, request.z_range)):
         places = places[(places[:, axis] >= low) & (places[:, axis] <= high)]
-    return places[np.argsort(rng.random(len(places)))[: wanted.num_patches]]
+    return places[np.argsort(rng.random(len(places)))[: request.num_patches]]

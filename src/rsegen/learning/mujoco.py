@@ -66,11 +66,9 @@ def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), c
     refuse_other("terrain", terrain, Terrain)
     let_touch(spec)
     body = spec.worldbody.add_body(name=terrain.name, pos=position_of(pos).tolist())
-    field, frictions, look = (
-        terrain.field,
-        terrain.frictions,
-        Scene(recipe=as_recipes(terrain.recipes)[0], index=0, field=terrain.field),
-    )
+    field, frictions = terrain.field, terrain.frictions
+    look = Scene(recipe=as_recipes(terrain.recipes)[0], index=0, field=field)
+    # A box has one friction: those of a friction are cut from a field in which all other cells are empty.
     for friction in np.unique(frictions):
         raised = replace(field, levels=np.where(frictions == friction, field.levels + 1, 0).astype(np.int16))
         for column in lowered_columns(raised, np.array([0, 0, -field.unit])):
@@ -88,9 +86,9 @@ def add_box(body: Any, column: Column, attributes: Attributes) -> Any:
 def add_height_field(
     spec: Any, body: Any, name: str, heights: Array, size: Sequence[float], attributes: Attributes
 ) -> tuple[Any, Any]:
-    """Add a height field to a body of an MjSpec, from (0, 0) to a size in metres; gives it and its geom.
+    """Add a height field to a body of an MjSpec, from (0, 0) to a size in metres; return the field and its geom.
 
-    heights: (n_x, n_y), metres, from one side to the other; attributes: those of a Contact.
+    heights: (n_x, n_y), metres, from one side to the other; attributes: of a Contact.
     """
     low, high = float(heights.min()), float(heights.max())
     # MuJoCo has samples from 0 to 1, along x first; a flat field has a height that nothing uses, as 0 is not allowed.
@@ -107,7 +105,7 @@ def add_height_field(
 
 
 def _add_geom(body: Any, shape: Mapping[str, Any], attributes: Attributes) -> Any:
-    """Add a geom without mass, as it cannot move, by MuJoCo's own defaults in place of those of the robot's file."""
+    """Add a geom without mass, as it cannot move, by MuJoCo's own defaults, which the robot's file may have changed."""
     geom = body.add_geom(_empty().default, **shape, mass=0)
     for name, values in attributes.items():
         setattr(geom, name, values if len(values) > 1 else values[0])
@@ -129,10 +127,10 @@ def let_touch(spec: Any) -> None:
     refuse_other("spec", spec, mujoco.MjSpec)
     static = {geom.name for geom in spec.worldbody.geoms}
     on_ground = {
-        other
+        partner
         for pair in spec.pairs
-        for one, other in ((pair.geomname1, pair.geomname2), (pair.geomname2, pair.geomname1))
-        if one in static
+        for name, partner in ((pair.geomname1, pair.geomname2), (pair.geomname2, pair.geomname1))
+        if name in static
     }
     of_joints = {actuator.target for actuator in spec.actuators if actuator.trntype in _OF_A_JOINT}
     is_driven_otherwise = any(actuator.trntype not in _OF_A_JOINT for actuator in spec.actuators)
@@ -150,7 +148,7 @@ class Root(NamedTuple):
     """A joint by which a robot rises as a whole.
 
     at: the index of its height in `qpos`; upwards: 1 if the robot rises with that, -1 if it sinks
-    bodies: that of the joint, and those between it and the world; geoms: all of the robot that can touch anything
+    bodies: from the joint's own up to the world; geoms: all of the robot that can touch anything
     """
 
     at: int
@@ -177,10 +175,11 @@ def roots_of(model: Any) -> list[Root]:
     for joint in np.flatnonzero(free | (slides & is_along_z)):
         bodies = _way_to_world(model, model.jnt_bodyid[joint])
         geoms = np.flatnonzero(collides & (model.body_rootid[model.geom_bodyid] == bodies[-1]))
+        # A joint below another one rises along z only if nothing above it tilts; it moves all only if all hangs on it.
         is_tilted = tilts[np.isin(model.jnt_bodyid, bodies[1:])].any()
         carries_all = all(bodies[0] in _way_to_world(model, body) for body in np.unique(model.geom_bodyid[geoms]))
         if len(geoms) and not is_tilted and carries_all:
-            at = int(model.jnt_qposadr[joint]) + (2 if free[joint] else 0)
+            at = int(model.jnt_qposadr[joint]) + (2 if free[joint] else 0)  # a free joint has x and y before z
             upwards = 1.0 if free[joint] else float(np.sign(data.xaxis[joint, 2]))
             roots.setdefault(bodies[-1], Root(at, upwards, np.array(bodies), geoms))
     return list(roots.values())
@@ -197,8 +196,9 @@ def _way_to_world(model: Any, body: int) -> list[int]:
 def geom_bounds(model: Any, data: Any, geoms: Ints) -> tuple[Array, Array]:
     """Return the least and the largest x, y and z of geoms, (geoms, 3), metres.
 
-    By their support functions along the axes: that of a box is the sum of its half sides, of an ellipsoid the root of
-    the sum of their squares, of a cylinder its axis and its disc; a capsule is a line and a ball; a mesh its vertices.
+    Half an extent is the support function along an axis, of turned half sides: for a box their sum, for an ellipsoid
+    the root of the sum of their squares; a cylinder is its axis and its disc, a capsule a line and a ball. A mesh has
+    the bounds of its vertices.
     """
     turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
     size, kind = model.geom_size[geoms][:, None, :], model.geom_type[geoms][:, None]
@@ -278,7 +278,7 @@ class BlockGrid(BlockArrays):
         body = model.geom_bodyid[part.start]
         first = model.body_bvhadr[body]
         boxes = model.bvh_aabb[first : first + model.body_bvhnum[body]]  # centres and half sides; of z both change
-        ground = self.position[2] - model.body_ipos[body, 2]
+        ground = self.position[2] - model.body_ipos[body, 2]  # boxes are in the frame of the body's inertia
         low = np.minimum(boxes[:, 2] - boxes[:, 5], ground - BELOW)
         high = np.maximum(boxes[:, 2] + boxes[:, 5], ground - BELOW + 2 * half[2])
         boxes[:, 2], boxes[:, 5] = (low + high) / 2, (high - low) / 2

@@ -22,7 +22,7 @@ from rsegen.learning.mujoco import BlockGrid
 
 
 class BlocksOfWorlds:
-    """The blocks of a grid in the worlds of mujoco_warp; until they are written, all have those of the compiled model.
+    """The blocks of a grid in the worlds of mujoco_warp; until they are written, all are as in the compiled model.
 
     compiled: the MjModel with the blocks, from which model and data were made. The arrays of the model get a row for
     each world here, so a CUDA graph has to be captured after this; `write` then changes them in place.
@@ -35,6 +35,7 @@ class BlocksOfWorlds:
         self.grid: BlockGrid = grid
         self._part, self._data = grid.geoms(compiled), data
         self.worlds: int = data.nworld
+        # mujoco_warp has one row for all worlds as long as they are alike.
         for name in ("geom_pos", "geom_size", "geom_rgba", "geom_friction"):
             array = getattr(model, name)
             rows = np.broadcast_to(array.numpy(), (self.worlds, *array.numpy().shape[1:]))
@@ -48,8 +49,8 @@ class BlocksOfWorlds:
     def write(self, levels: Ints, worlds: Sequence[int] | Any = None) -> None:
         """Put maps, (worlds, n_x, n_y), into these worlds, or into all: heights, friction and colours.
 
-        Their positions go into the data too, as mujoco_warp does not compute those of static geoms again. Levels in a
-        tensor of torch stay on its device, and nothing waits for the host; `ground` does not follow them.
+        Positions go into the data too, as mujoco_warp does not compute them again for static geoms. Levels in a tensor
+        of torch stay on its device, and nothing waits for the host; `ground` does not follow them.
         """
         if hasattr(levels, "is_cuda"):  # a tensor, not an array of numpy
             self._write_tensor(levels, worlds)
@@ -64,15 +65,15 @@ class BlocksOfWorlds:
         self._put(model.geom_friction, rows, grid.friction(levels))
 
     def _write_tensor(self, levels: Any, worlds: Any) -> None:
-        """Write levels in a tensor of torch; of centres and sides only z is of a map.
+        """Write levels in a tensor of torch; of centres and sides only z depends on a map.
 
-        They are kept within those of the recipe, as in a Ground: a check would wait for the device.
+        Levels are clipped to the levels of the recipe, as in a Ground: a check would wait for the device.
         """
         grid, rows = self.grid, slice(None) if worlds is None else worlds
         expected = (self.worlds if worlds is None else len(worlds), *grid.shape)
         if tuple(levels.shape) != expected or not is_whole(levels):
-            given = f"{levels.dtype} of shape {tuple(levels.shape)}"
-            raise ParameterError("levels", f"{given}; expected integers, in units, of shape {expected}")
+            problem = f"{levels.dtype} of shape {tuple(levels.shape)}"
+            raise ParameterError("levels", f"{problem}; expected integers, in units, of shape {expected}")
         part, blocks = self._part, levels.flatten(1).long().clamp(0, grid.recipe.highest_level)
         heights = blocks * (grid.recipe.unit_cm / 100)
         model, centres = self._model, (heights - BELOW) / 2 + float(grid.position[2])

@@ -102,21 +102,21 @@ class BlockGrid(BlockArrays):
         `solver.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)`.
         """
         # The rows of the shapes in four arrays of the model, on its device.
-        numbers, centres = np.asarray(shapes).reshape(-1), self.pos(levels)
-        if len(numbers) != centres[..., 0].size:
-            raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; pass those of add_to")
-        if not len(numbers):
+        indices, centres = np.asarray(shapes).reshape(-1), self.pos(levels)
+        if len(indices) != centres[..., 0].size:
+            raise ParameterError("shapes", f"{len(indices)} for {centres[..., 0].size} blocks; pass those of add_to")
+        if not len(indices):
             return
-        if not 0 <= numbers.min() <= numbers.max() < model.shape_count:
-            raise ParameterError("shapes", f"{numbers.min()}..{numbers.max()} of {model.shape_count} shapes")
-        upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))
+        if not 0 <= indices.min() <= indices.max() < model.shape_count:
+            raise ParameterError("shapes", f"{indices.min()}..{indices.max()} of {model.shape_count} shapes")
+        upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))  # a quaternion, w last
         for array, values in (
             (model.shape_transform, np.concatenate([centres, upright], axis=-1)),
             (model.shape_scale, self.size(levels)),
             (model.shape_material_mu, self.sliding(levels)[..., None]),
             (model.shape_color, self.rgba(levels)[..., :3]),
         ):
-            places: Any = wp.array(numbers, dtype=wp.int32, device=array.device)
-            rows: Any = wp.array(values.reshape(len(numbers), -1).squeeze(), dtype=array.dtype, device=array.device)
+            places: Any = wp.array(indices, dtype=wp.int32, device=array.device)
+            rows: Any = wp.array(values.reshape(len(indices), -1).squeeze(), dtype=array.dtype, device=array.device)
             written: Any = wp.indexedarray(array, [places])
             wp.copy(written, rows)

@@ -15,7 +15,7 @@ _SIDES, _DISTANCE = ListOf(Float(0, 1000, unit="m"), 2), Float(0.001, 1000, unit
 
 
 def scan_points(size: Sequence[float] | Array = (1.6, 1.0), distance: float = 0.1) -> Array:
-    """Return a grid of points around a robot, x first, by default that of legged_gym: 17 x 11 points.
+    """Return a grid of points around a robot, x first, by default as in legged_gym: 17 x 11 points.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def scan_points(size: Sequence[float] | Array = (1.6, 1.0), distance: float = 0.
 
 
 def check_pattern(pattern: Any) -> None:
-    """Raise a ParameterError if an array is not that of the places of points in the frame of a robot."""
+    """Raise a ParameterError unless an array has x and y of points: (points, 2)."""
     if pattern.ndim != 2 or pattern.shape[1] != 2:
         raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
 

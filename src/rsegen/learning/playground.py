@@ -73,8 +73,8 @@ class Floor:
         if asset is None:
             asset = ET.SubElement(root, "asset")
         floor, heights = floors[0], corner_heights(self._first.heights, self._samples)
-        for own in [own for own in asset.findall("hfield") if own.get("name") == floor.get("hfield")]:
-            asset.remove(own)
+        for replaced in [field for field in asset.findall("hfield") if field.get("name") == floor.get("hfield")]:
+            asset.remove(replaced)
         low = float(heights.min())
         n_x, n_y = heights.shape
         size = (*np.array(self._first.extent) / 2, self._rise, BELOW)
@@ -90,7 +90,7 @@ class Floor:
         )
         floor.attrib.pop("size", None)
         floor.attrib |= {"type": "hfield", "hfield": "rsegen", "friction": f"{self.recipe.friction:.9g}"}
-        floor.set("pos", f"0 0 {low - self.top(self._first):.9g}")
+        floor.set("pos", f"0 0 {low - self.top(self._first):.9g}")  # the lowest sample is at the geom's own z = 0
         return ET.tostring(root, encoding="unicode")
 
     def write(self, scene: Any, path: Any) -> Any:
@@ -107,6 +107,7 @@ class Floor:
 
     def arrays(self, levels: Ints) -> tuple[Array, Array]:
         """Return `hfield_data` (worlds, samples) and z of the floor (worlds,), metres, for maps (worlds, n_x, n_y)."""
+        # The compiled model has one rise for all worlds: samples are shares of that of its map, and may be above 1.
         fields = [self.field(own) for own in levels]
         lows = [float(field.heights.min()) for field in fields]
         data = [
@@ -124,6 +125,6 @@ class Floor:
         floor = np.flatnonzero(np.asarray(model.geom_type) == mujoco.mjtGeom.mjGEOM_HFIELD).item()
         places = np.repeat(np.asarray(model.geom_pos)[None], len(z), axis=0)
         places[:, floor, 2] = z
-        own = {"hfield_data": jax.numpy.asarray(data), "geom_pos": jax.numpy.asarray(places)}
+        per_world = {"hfield_data": jax.numpy.asarray(data), "geom_pos": jax.numpy.asarray(places)}
         axes = jax.tree_util.tree_map(lambda _: None, model)
-        return model.tree_replace(own), axes.tree_replace(dict.fromkeys(own, 0))
+        return model.tree_replace(per_world), axes.tree_replace(dict.fromkeys(per_world, 0))

@@ -1,12 +1,12 @@
-"""Scans of the ground as sensors and maps give them: noisy, in steps, with gaps, late, of a map that drifts.
+"""Scans of the ground with the errors of sensors and maps: noise, steps, lost rays, a delay, a map that drifts.
 
     sensor = ScanSensor(pattern=scan_points(), noise=0.02, dropout=0.05, delay=2)
     state = sensor.start(ground, poses)                          # at a reset
     seen, state = sensor.sense(ground, poses, state, rng)        # at each step, (..., points)
 
 Idea: the sensor has no memory of its own. What it remembers, the last scans and the drift of each robot, is a value
-that goes in and comes out, so all of it can be compiled (`jax.jit`) and stays on the device. The order is that of a
-real one: the map is next to the robot, a ray is noisy, a number has steps, a ray is lost, the message is late.
+that goes in and comes out, so all of it can be compiled (`jax.jit`) and stays on the device. Errors come in the order
+of a real sensor: the map is next to the robot, a ray is noisy, a number has steps, a ray is lost, the message is late.
 
 Random numbers come from a Generator of numpy or torch, or from a key of jax, each of the library of the ground.
 """
@@ -40,7 +40,7 @@ class ScanSensor:
     pattern : array, shape (points, 2), optional
         x and y in the robot's frame, metres, by default `scan_points()`; an array of the device is sent there once.
     lost : float, default 0
-        Height that a ray gives which does not come back, metres from the robot's z.
+        Height of a ray that does not come back, metres from the robot's z.
     """
 
     pattern: Any = field(default_factory=scan_points, compare=False)
@@ -72,12 +72,12 @@ class ScanSensor:
         return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0.0 * poses[..., :3])
 
     def restart(self, state: ScanState, is_new: Any, fresh: ScanState) -> ScanState:
-        """Return the state in which robots that `is_new` (...,) says have that of `fresh`, and the others their own."""
+        """Return a state that is `fresh` for robots for which `is_new` (...,) is true, and as it was for the others."""
         library, scans = library_of("state", state.scans)
         mask = array_like(scans, library_of("is_new", is_new)[1])
         if tuple(mask.shape) != tuple(state.drift.shape[:-1]):
-            given = f"of shape {tuple(mask.shape)}; expected {tuple(state.drift.shape[:-1])}, one for each robot"
-            raise ParameterError("is_new", given)
+            problem = f"of shape {tuple(mask.shape)}; expected {tuple(state.drift.shape[:-1])}, one for each robot"
+            raise ParameterError("is_new", problem)
         pairs = zip(state, fresh, strict=True)
         return ScanState(*(library.where(mask[..., None] != 0, new, old) for old, new in pairs))
 
@@ -101,6 +101,7 @@ class ScanSensor:
         if state.scans.shape[-1] != len(self.pattern):
             problem = f"of {state.scans.shape[-1]} points for a pattern of {len(self.pattern)}; use that of `start`"
             raise ParameterError("state", problem)
+        # A map that drifts is scanned as by a robot that drifts the other way: its pose takes the drift.
         draws = draws_of(random, library)
         drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
         moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:]], -1)

@@ -104,25 +104,25 @@ def seat_many(
     rests : ndarray of bool, shape (robots,)
         Whether a robot came to rest.
     """
-    given, seconds = np.array(qpos, dtype=float), _SECONDS.check("seconds", seconds)
-    if given.ndim != 2 or given.shape[1] != model.nq:
-        raise ParameterError("qpos", f"of shape {given.shape}; expected (robots, {model.nq})")
-    if not np.isfinite(given).all():
-        robot, joint = np.argwhere(~np.isfinite(given))[0]
-        raise ParameterError(f"qpos[{robot}, {joint}]", f"{given[robot, joint]} is not a finite number")
-    if ground.worlds is not None and (ground.worlds != len(given) or grid is None):
-        problem = f"{len(given)} robots on the ground of {ground.worlds} worlds"
+    positions, seconds = np.array(qpos, dtype=float), _SECONDS.check("seconds", seconds)
+    if positions.ndim != 2 or positions.shape[1] != model.nq:
+        raise ParameterError("qpos", f"of shape {positions.shape}; expected (robots, {model.nq})")
+    if not np.isfinite(positions).all():
+        robot, joint = np.argwhere(~np.isfinite(positions))[0]
+        raise ParameterError(f"qpos[{robot}, {joint}]", f"{positions[robot, joint]} is not a finite number")
+    if ground.worlds is not None and (ground.worlds != len(positions) or grid is None):
+        problem = f"{len(positions)} robots on the ground of {ground.worlds} worlds"
         raise ParameterError("ground", f"{problem}; use as many of both, and the grid whose blocks are in the model")
     seats = Seats(model)
-    rests = np.zeros(len(given), dtype=bool)
-    for robot, own in enumerate(given):
+    rests = np.zeros(len(positions), dtype=bool)
+    for robot, own in enumerate(positions):
         if grid is not None:
             grid.write(seats.model, ground.field(robot).levels)
         seats.put(own, ground, None if ground.worlds is None else robot)
         if seconds > 0:
             rests[robot] = seats.drop(seconds)
-        given[robot] = seats.data.qpos
-    return given, rests
+        positions[robot] = seats.data.qpos
+    return positions, rests
 
 
 class Seats:
@@ -138,6 +138,7 @@ class Seats:
         is_held = ~np.isin(model.jnt_bodyid, moving)[model.dof_jntid]
         stiff.dof_armature[is_held] = _HELD * float(model.body_subtreemass[0]) * model.stat.extent**2
         stiff.dof_damping[~is_held] = model.dof_M0[~is_held] / _SLOWED
+        # Nothing may move a held joint: neither motors, nor limits that a given pose violates.
         stiff.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_LIMIT
         bounds = {name: getattr(stiff, name).copy() for name in _BOUNDS}
         mujoco.mj_setConst(stiff, self.data)  # contacts are as stiff and damped as the mass behind them wants
@@ -153,8 +154,9 @@ class Seats:
         for root in self.roots:
             start = float(self.data.qpos[root.at])
             lowest, highest = self._bounds(root.geoms, ground, world)
-            is_found = self._is_inside(root, start, lowest)
-            while is_found and highest - lowest > _PRECISION:
+            # A model without the blocks touches nothing at the lowest height either: the bounds decide.
+            has_blocks = self._is_inside(root, start, lowest)
+            while has_blocks and highest - lowest > _PRECISION:
                 middle = (lowest + highest) / 2
                 if self._is_inside(root, start, middle):
                     lowest = middle

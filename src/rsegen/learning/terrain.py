@@ -104,6 +104,7 @@ class Terrain(TerrainDesign):
                     sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, first))
                     raise ParameterError("", f"tiles of {sides} cells with their frames; use recipes of one size")
                 check_tile(recipe)
+                # Tiles of lower ground are raised to the highest one: their blocks must still have a level.
                 if (top := top_of_tile(recipe)) + self._raised(recipe) >= MOST_LEVELS:
                     raised = f"tiles are raised to {self._ground}, and blocks of {top}"
                     problem = f"{recipe.ground_level}: {raised} are then above the highest level, {MOST_LEVELS - 1}"
@@ -136,6 +137,7 @@ class Terrain(TerrainDesign):
         """
         maps = np.arange(self.rows * self.columns).reshape(self.rows, self.columns)
         rising = np.sign(self.difficulty[1] - self.difficulty[0])
+        # Rougher maps of a column go into its harder rows; of equally hard rows the order stays.
         for column in range(self.columns if rising and self.rows > 1 else 0):
             full = [self._fullness(self._kind_of(column), int(index)) for index in maps[:, column]]
             maps[:, column] = maps[np.argsort(rising * np.array(full), kind="stable"), column]
@@ -147,12 +149,13 @@ class Terrain(TerrainDesign):
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
         n_x, n_y = self._kinds[0].cells
         levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
-        recipes: dict[tuple[int, float], Recipe] = {}
+        recipes: dict[tuple[int, float], Recipe] = {}  # one for all tiles of a kind and a difficulty
         for row, column in np.ndindex(self.rows, self.columns):
             key = self._kind_of(column), self._share(row, column)
             recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
             levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(self._raised(recipe))
-            self._tell_progress()
+            if self.progress:
+                self.progress()
         make_read_only(levels)
         return levels
 
@@ -198,6 +201,7 @@ class Terrain(TerrainDesign):
         along_x = max(1, min(count, round(float(np.sqrt(count * extent[0] / extent[1])))))
         shape = np.array([along_x, -(-count // along_x)])
         places = (np.stack(np.unravel_index(np.arange(count), shape), axis=1) + 0.5) / shape
+        # A place on an edge is on two cells: one ends there, and one begins there.
         cells = np.round(places * field.shape, NANOMETRE_DIGITS)
         i, j = (np.stack([np.ceil(at) - 1, np.floor(at)]).astype(int) for at in cells.T)
         heights = field.heights[i[:, None], j[None, :]].max(axis=(0, 1))
@@ -218,9 +222,9 @@ class Terrain(TerrainDesign):
 
     @property
     def frictions(self) -> Array:
-        """The friction coefficient of each cell of the field, (n_x, n_y): in a tile that of its level in its recipe.
+        """The friction coefficient of each cell of the field, (n_x, n_y): in a tile as its recipe has it for the level.
 
-        The flat ground around tiles has that of the first recipe.
+        The flat ground around tiles has the friction of the first recipe.
         """
         frictions = np.full(self._shape, self._kinds[0].friction)
         tables = [friction_by_level(recipe, int(self.levels.max())) for recipe in self._kinds]
@@ -231,9 +235,9 @@ class Terrain(TerrainDesign):
         return frictions
 
     def ground(self, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Ground:
-        """Return the ground of the whole terrain, its middle at `pos` in metres: each tile has its own friction.
+        """Return the ground of the whole terrain, its middle at `pos` in metres; each tile has its own friction.
 
-        contact: that of its blocks in MuJoCo, if it is another one than by default.
+        contact: of its blocks in MuJoCo.
         """
         return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos, contact)
 
@@ -254,6 +258,7 @@ class Terrain(TerrainDesign):
     @cached_property
     def _as_one(self) -> Recipe:
         first, (n_x, n_y) = self._kinds[0], self._shape
+        # As few chunks as possible, which are squares.
         side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
         # The levels are final: whatever would change them, as difficulty or constraints, is switched off.
         return replace(
@@ -313,7 +318,7 @@ class Terrain(TerrainDesign):
         return share_of(self._kinds[kind], index, metric, spans[index], mean, difficulty)
 
     def _fullness(self, kind: int, index: int) -> float:
-        """Return how far the metric of a map as designed is from that of level ground; less for smoother maps."""
+        """Return how far the metric of a map as designed is from its value on level ground; less for smoother maps."""
         if self.by == RMS:
             return metric_by(RMS)(build(self._kinds[kind], index))
         spans, mean = self._spans[kind]
@@ -325,14 +330,11 @@ class Terrain(TerrainDesign):
         spans_of_kinds = []
         metric = metric_by(self.by, self.robot)
         for kind, recipe in enumerate(self._kinds):
+            # Map i is in column i % columns, see `maps`; every kind measures its own maps alone.
             indices = (i for i in range(self.rows * self.columns) if self._kind_of(i % self.columns) == kind)
             spans = {index: span_of(recipe, index, metric) for index in indices}
             spans_of_kinds.append((spans, mean_span(list(spans.values()), metric.name)))
         return spans_of_kinds
-
-    def _tell_progress(self) -> None:
-        if self.progress:
-            self.progress()
 
     def _kind_of(self, column: int) -> int:
         return kind_of_column(column, self.columns, len(self._kinds))

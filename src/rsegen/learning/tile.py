@@ -36,10 +36,10 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Tile:
-    """A tile, the ground included: all of its cells are a level higher than they are, and it lies lower.
+    """A tile of level ground with a map in it: a field that is raised by a level, so that level 0 has a surface too.
 
-    raised: the field around the origin; ground: level of the ground, z = 0, in the map; size: metres along x and y;
-    origin: (3,), the middle of its map, metres, z that of the highest of the cells that meet there.
+    raised: that field, about its own middle, which lies a unit lower; ground: level of the ground, z = 0, in the map;
+    size: metres along x and y; origin: (3,), the middle of its map, metres, z of the highest cell that meets there.
     """
 
     raised: StepField
@@ -57,7 +57,7 @@ class Tile:
         return lowered_columns(self.raised, self._corner)
 
     def samples(self, per_block: int) -> Array:
-        """Heights at the corners of small squares, `per_block` along each side of a block: (n_x, n_y) of them and one.
+        """Heights, metres, at the corners of small squares, as `corner_heights` of its field.
 
         An edge has the height of the higher block, so the outermost samples are on the sides of the tile.
         """
@@ -69,16 +69,16 @@ class Tile:
         return np.array([*self.origin[:2], max(highest, self.origin[2])])
 
     def level_squares(self, side: float, most: float) -> Array:
-        """Return the middles of the squares of blocks, `side` metres or wider, on ground that differs by `most` metres.
+        """Return the middles of squares of blocks, at least `side` metres wide, whose heights differ by at most `most`.
 
-        (squares, 3), z that of their highest block; none of them is in a hole.
+        (squares, 3), metres, z of their highest block; none of them is in a hole.
         """
         width, unit = self.raised.block_width, self.raised.unit
         wide = max(ceil(side / width - _SAME), 1)
         if wide > min(self.raised.shape):
             return np.empty((0, 3))
         low, high = extremes(self.raised.levels.astype(np.int32), (wide, wide))
-        i, j = np.nonzero(((high - low) * unit <= most + _SAME) & (low > self.ground))  # it is a level higher too
+        i, j = np.nonzero(((high - low) * unit <= most + _SAME) & (low > self.ground))  # `low` is raised by a level
         return np.column_stack([(i + wide / 2) * width, (j + wide / 2) * width, high[i, j] * unit + self._corner[2]])
 
     @property
@@ -102,9 +102,9 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
     # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
     levels = np.full((n_x, n_y), recipe.ground_level + 1, dtype=np.int16)
-    own = tile_levels(eased(recipe, difficulty), index)
-    levels[low_x : low_x + m_x, low_y : low_y + m_y] = own + np.int16(1)
-    above = float(amid(own)) - recipe.ground_level
+    of_map = tile_levels(eased(recipe, difficulty), index)
+    levels[low_x : low_x + m_x, low_y : low_y + m_y] = of_map + np.int16(1)
+    above = float(amid(of_map)) - recipe.ground_level
     return Tile(
         raised=unframed(levels, width, unit),
         ground=recipe.ground_level,
@@ -114,9 +114,9 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
 
 
 def lowered_columns(raised: StepField, origin: Array) -> Iterator[Column]:
-    """Yield few boxes of one level each that fill cells which are a level higher than they are, and lie lower.
+    """Yield few boxes of one level each that fill a field which is raised by a level, so that level 0 has boxes too.
 
-    So level 0 has boxes too. origin: of the raised field, (3,), metres; materials are the levels that cells have.
+    origin: of the raised field, (3,), metres, a unit lower; materials are the levels before they were raised.
     """
     for centre, size, material in columns(raised):
         x, y, z = (np.array(centre) + origin).tolist()
@@ -128,20 +128,21 @@ def corner_heights(heights: Array, per_block: int) -> Array:
 
     (n_x * per_block + 1, n_y * per_block + 1): an edge has the height of the higher block.
     """
+    # Of the four squares that meet at a corner the highest counts; outside are copies of the outermost squares.
     small = np.pad(np.repeat(np.repeat(heights, per_block, axis=0), per_block, axis=1), 1, mode="edge")
     along_x = np.maximum(small[:-1], small[1:])
     return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]))
 
 
 def slope_length(block_width: float, per_block: int) -> float:
-    """Return how far the slope of a block leads over a lower one, metres, with `corner_heights` of so many a side."""
+    """Return how far a block slopes over a lower neighbour, metres, if a height field has its `corner_heights`."""
     return block_width / per_block
 
 
 def highest_near(field: StepField, place: Array, radius: float) -> float:
     """Height, metres, of the highest block up to `radius` metres along x and y from a place, metres from the corner.
 
-    Less than any height if there is none, as with a radius of 0 at the edge of two blocks.
+    -inf if no block is that near, as with a radius of 0 at the edge of two blocks.
     """
     low, high = ((place + side) / field.block_width for side in (-radius, radius))
     ends = zip(low + _SAME, high - _SAME, strict=True)
@@ -150,7 +151,7 @@ def highest_near(field: StepField, place: Array, radius: float) -> float:
 
 
 def check_recipe(recipe: object) -> None:
-    """Raise a ParameterError if a sub-terrain cannot be of this."""
+    """Raise a ParameterError unless a sub-terrain can be made of this."""
     if not isinstance(recipe, Recipe):
         raise ParameterError("recipe", f"{shown(recipe)} is not a recipe; pass one, and a sub-terrain for each")
     check_tile(recipe)

@@ -2,7 +2,7 @@
 
     levels = build_many(recipe, range(16384), device="cuda")    # (maps, n_x, n_y), int16, on the GPU
 
-The levels are those of `rsegen.build_many`, bit for bit: the same formulas, in integers and floats of 64 bits, run over
+The levels equal `rsegen.build_many`'s, bit for bit: the same formulas, in integers and floats of 64 bits, run over
 tensors (params/arrays.py). A GPU makes the random numbers of all cells, the levels of random kinds, blends, difficulty,
 and a largest step of the recipe. The processor makes, by numpy, the seeds, one hash for each map and obstacle; drawn
 ends, and the profiles between them, of which each is made once; and, map by map, all that `rsegen.build_many` makes map
@@ -30,7 +30,7 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
     ParameterError if the device is not there or has no floats of 64 bits, or an index is no whole number from 0 on;
     TooLarge if the device has not enough memory.
     """
-    wanted = checked_indices(indices)
+    maps = checked_indices(indices)
     try:  # floats of 64 bits can be added there
         place = torch.device(device)
         (torch.ones(1, dtype=torch.float64, device=place) + 1).item()
@@ -38,11 +38,11 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
         reason = str(error).partition("\n")[0].partition(". ")[0]
         raise ParameterError("device", f"{shown(str(device))} cannot be used ({reason}); use cuda or cpu") from None
     if place.type == "cpu":
-        return torch.from_numpy(of_numpy(recipe, wanted))  # several times as fast as tensors
+        return torch.from_numpy(of_numpy(recipe, maps))  # several times as fast as tensors
     try:
-        levels = torch.zeros((len(wanted), *recipe.grid.shape), dtype=torch.int16, device=place)
-        fill(levels, recipe, wanted, _CELLS_AT_ONCE, _CELLS_AT_ONCE)
+        levels = torch.zeros((len(maps), *recipe.grid.shape), dtype=torch.int16, device=place)
+        fill(levels, recipe, maps, _CELLS_AT_ONCE, _CELLS_AT_ONCE)
     except torch.OutOfMemoryError:
         n_x, n_y = recipe.grid.shape
-        raise TooLarge(f"indices: {len(wanted)} maps of {n_x} x {n_y} blocks exceed the memory of {place}") from None
+        raise TooLarge(f"indices: {len(maps)} maps of {n_x} x {n_y} blocks exceed the memory of {place}") from None
     return levels

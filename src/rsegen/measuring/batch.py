@@ -1,6 +1,6 @@
 """The metrics of many maps of one recipe at once, vectorised over the maps.
 
-The values are equal to those of `metrics` under the names of its table, as float32; NaN stands for None. All sums are
+The values equal the ones of `metrics` under the names of its table, as float32; NaN stands for None. All sums are
 sums of integer levels, so they are the same on every machine. Maps are the last axis of every array, so that one numpy
 operation on a cell is one on that cell of all maps, in consecutive memory. Only the percolation step is not a sum: it
 is swept across all maps at once, as often as the most winding path needs.
@@ -69,6 +69,7 @@ def _spread(blocks: Ints, like: StepField) -> dict[str, Array]:
 
 
 def _steps(whole: Ints, like: StepField) -> dict[str, Array]:
+    # Steps are between two blocks: neither to a frame, nor across one.
     block = ~like.frame
     along_x = np.abs(whole[1:] - whole[:-1])[block[1:] & block[:-1]]
     along_y = np.abs(whole[:, 1:] - whole[:, :-1])[block[:, 1:] & block[:, :-1]]
@@ -93,13 +94,13 @@ def _tri(whole: Ints, like: StepField) -> dict[str, Array]:
         return {"ruggedness.tri": np.full(whole.shape[2], np.nan)}
     middle = whole[1:-1, 1:-1]
     total = np.zeros_like(middle)
-    for i, j in product(range(3), range(3)):
+    for i, j in product(range(3), range(3)):  # the block itself adds 0
         total += (whole[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
     return {"ruggedness.tri": np.sqrt(total[inner]).mean(axis=0) * like.unit / math.sqrt(8)}
 
 
 def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
-    """Return the percolation step of each map from the level ground on one side to that on the other, frames counted.
+    """Return the percolation step of each map, from the level ground on one side to the opposite side, frames counted.
 
     Paths across large maps are long and would need many sweeps: there, one map after the other is faster.
     """

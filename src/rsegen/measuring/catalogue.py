@@ -1,4 +1,4 @@
-"""The metrics of a map by their names: all of them, one of them, and those of plug-ins.
+"""The metrics of a map by their names: rsegen's own, all at once or one alone, and metrics of plug-ins.
 
 StepField --metrics--> Metrics --nested--> JSON --flattened--> a row of a table
 by, robot --metric_by--> Metric: StepField -> float, NaN if a map has none
@@ -246,9 +246,9 @@ def metric_by(by: By, robot: CrossingModel | None = None) -> Metric:
     # First what is refused whatever the name is; then a function, rsegen's own metrics, and those of plug-ins.
     _refuse_no_crosser(robot)
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
-        what = by if isinstance(by, str) else "a function"
+        name = by if isinstance(by, str) else "a function"
         raise ParameterError(
-            "robot", f"{what} does not depend on a robot; use by='reach.west_east.cost', or leave robot out"
+            "robot", f"{name} does not depend on a robot; use by='reach.west_east.cost', or leave robot out"
         )
     if callable(by):
         return by if isinstance(by, Metric) else Metric.of(by)
@@ -263,23 +263,21 @@ def metric_by(by: By, robot: CrossingModel | None = None) -> Metric:
 
 def _refuse_no_crosser(robot: object) -> None:
     if robot is not None and not isinstance(robot, CrossingModel):
-        what = "is neither a robot nor limits of steps"
-        raise ParameterError(
-            "robot", f"{shown(robot)} {what}; use rsegen.robot_of('burger') or StepLimits(climb_cm=10)"
-        )
+        problem = f"{shown(robot)} is neither a robot nor limits of steps"
+        raise ParameterError("robot", f"{problem}; use rsegen.robot_of('burger') or StepLimits(climb_cm=10)")
 
 
 def _measured(name: str, robot: CrossingModel | None, field: StepField) -> Any:
     family = next(prefix for prefix in _FAMILIES if name.startswith(f"{prefix}."))
     try:
         return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
-    except AttributeError:
-        other = (
+    except AttributeError:  # limits of steps have no poses, and a robot's poses no shares of steps
+        needed = (
             "a robot"
             if name.startswith(_POSES) or name.endswith((".tilt", ".margin"))
             else "limits of steps, as in 10,10,0"
         )
-        raise ParameterError("by", f"{name} is measured with {other}") from None
+        raise ParameterError("by", f"{name} is measured with {needed}") from None
 
 
 _FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {

@@ -79,7 +79,8 @@ def add_metrics(command: Parser) -> None:
 
 
 def run_metrics(arguments: argparse.Namespace) -> Report:
-    """Measure and draw."""
+    """Measure maps, and draw the first one if a picture is asked for."""
+    # All that may be refused comes before the first map, whose metrics may take minutes with a robot.
     if arguments.json and arguments.csv:
         raise ParameterError("--csv", "--json and --csv exclude each other")
     robot = _crosser(arguments)
@@ -138,8 +139,8 @@ def _measured(scene: Scene, crosser: CrossingModel | None, *, verify: bool) -> M
     if crosser is None or not crosser.search:
         return scene, metrics(scene.field, crosser), {}
     with share_bar(scene.name) as watch:
-        found = metrics(scene.field, crosser.watched(watch))
-    return scene, found, predictions(crosser, scene) if verify else {}
+        measured = metrics(scene.field, crosser.watched(watch))
+    return scene, measured, predictions(crosser, scene) if verify else {}
 
 
 def _picture(scene: Scene, crosser: CrossingModel, measured: Metrics, heading: float | None, form: str) -> bytes:
@@ -156,7 +157,7 @@ def _entry(scene: Scene, measured: Metrics, predicted: Mapping[str, Any]) -> dic
 
     whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(measured)}
     if predicted:
-        whole["predictions"] = {side: found.as_json() for side, found in predicted.items()}
+        whole["predictions"] = {side: prediction.as_json() for side, prediction in predicted.items()}
     return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 
@@ -186,17 +187,17 @@ def _report(measured: Iterable[Measured], crosser: CrossingModel | None, units: 
 def _table(measured: Iterable[Measured], crosser: CrossingModel | None) -> Iterator[str]:
     from rsegen.measuring.catalogue import METRICS, custom
 
+    # Row by row, as maps are measured: the first one decides the columns, and the legend below.
     legend, maps, crossed = dict(_LEGEND), 0, dict.fromkeys(_SIDES, 0)
-    for number, (scene, measures, predicted) in enumerate(measured):
+    for maps, (scene, measures, predicted) in enumerate(measured, 1):
         own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
         cells = _cells(measures, predicted, lengths_in(scene.recipe.units)) | own
-        if not number:
+        if maps == 1:
             legend |= _LEGEND_OF_REACH if measures.reach else {}
             legend |= _LEGEND_OF_PREDICTIONS if predicted else {}
             yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
             yield f"{'':<24}" + "".join(f"{unit:>{_width(name, unit)}}" for name, unit in cells)
         yield f"{scene.name:<24}" + "".join(f"{text:>{_width(*head)}}" for head, text in cells.items())
-        maps = number + 1
         for side in crossed if measures.reach else ():
             crossed[side] += getattr(measures.reach, side).length is not None
     yield ""
@@ -256,9 +257,9 @@ def _cells(measures: Metrics, predicted: Mapping[str, Any], written: Lengths) ->
         cells["region", "%"] = f"{measures.reach.coverage:.0%}".rstrip("%")
         cells["way w-e", "x"] = _ratio(measures.reach.west_east)
         cells["way s-n", "x"] = _ratio(measures.reach.south_north)
-    for side, found in predicted.items():
+    for side, prediction in predicted.items():
         first, second = side.split("_")
-        cells[f"p {first[0]}-{second[0]}", ""] = f"{found.probability:.2f}"
+        cells[f"p {first[0]}-{second[0]}", ""] = f"{prediction.probability:.2f}"
     return cells
 
 
@@ -323,10 +324,11 @@ def _verdict(
         yield f"Blocks are {heights} high; {differ}."
         yield f"To cross it, a robot must climb steps of {climbs}."
         return
+    # A way that was driven is told by its drives, any other by its poses or cells.
     subject = _subject(crosser, scene.units)
     can, cannot = ("can cross", "cannot cross") if crosser.search else ("leads", "does not lead")
     ways = {name: getattr(measures.reach, side) for side, name in _SIDES.items() if side not in predicted}
-    yield from (f"{_SIDES[side].capitalize()}, the robot {found}." for side, found in predicted.items())
+    yield from (f"{_SIDES[side].capitalize()}, the robot {drives}." for side, drives in predicted.items())
     if across := [name for name, way in ways.items() if way.length is not None]:
         yield f"Predicted: {subject} {can} {' and '.join(across)}."
     for name, way in ways.items():
@@ -418,5 +420,5 @@ def _way(way: Any) -> str:
 
 
 def _plain(value: float | None) -> str:
-    """A metric of a plug-in in its own unit."""
+    """Return a metric of a plug-in, in its own unit."""
     return "-" if value is None else f"{value:.4g}"

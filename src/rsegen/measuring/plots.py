@@ -40,9 +40,9 @@ def path_plot(scene: Scene, reach: Any, crosser: str, format: str = "png") -> by
 
 
 def _draw_path(axes: Axes, scene: Scene, crossing: Any, name: str, colour: str) -> None:
-    """Draw a way from a ring to a dot; if there is none, the legend says so, and a cross stands where it ends."""
+    """Draw a way from a ring to a dot; without one the legend says so, and a cross is where the robot got."""
     if not crossing.crosses:
-        reason, place = getattr(crossing, "reason", None), getattr(crossing, "at", None)  # those of a robot have both
+        reason, place = getattr(crossing, "reason", None), getattr(crossing, "at", None)  # of a robot alone
         at = np.array([place]) if place else np.empty((0, 2))
         axes.plot(
             *at.T,
@@ -58,6 +58,7 @@ def _draw_path(axes: Axes, scene: Scene, crossing: Any, name: str, colour: str) 
     else:
         x, y = ((crossing.path + 0.5 - np.array(scene.field.shape) / 2) * scene.field.block_width).T
         rises = f", {crossing.cost_ratio:.2f} with its rises"
+    # A pale wide line below keeps the way apart from blocks of its colour.
     label = f"{name}: {crossing.length_ratio:.2f} times as long as straight{rises}"
     axes.plot(x, y, color="white", linewidth=8, alpha=0.35, solid_joinstyle="round")
     axes.plot(x, y, color=colour, linewidth=4, alpha=0.75, solid_joinstyle="round", label=label)

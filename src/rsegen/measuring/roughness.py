@@ -77,7 +77,7 @@ def plane(field: StepField) -> Plane:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ruggedness:
-    """The ruggedness over the `cells` blocks with 8 neighbouring blocks, in metres; None if there are none.
+    """The ruggedness over the `cells` blocks with 8 neighbouring blocks, in metres; None without such blocks.
 
     tri: mean of sqrt(sum (h_k - h_0)^2 / 8), the root-mean form   riley: mean of sqrt(sum (h_k - h_0)^2), Riley's own
     surface_ratio: area of tops and risers over that of the plan, 1 + sum |dh| / (N w), without the field's border
@@ -109,7 +109,7 @@ def _riley(field: StepField) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     levels = field.levels.astype(float)
     middle = levels[1:-1, 1:-1]
     squares = np.zeros(middle.shape)
-    for i, j in product(range(3), range(3)):
+    for i, j in product(range(3), range(3)):  # the block itself adds 0
         squares += (levels[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
     whole = ~sliding_window_view(field.frame, (3, 3)).any(axis=(2, 3))
     return np.asarray(np.sqrt(squares[whole]) * field.unit)

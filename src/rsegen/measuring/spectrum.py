@@ -62,11 +62,11 @@ def _spectrum(field: StepField, axis: int) -> ProfileSpectrum:
     profiles = profiles - profiles.mean(axis=1, keepdims=True) - slopes[:, None] * along
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(profiles * window, axis=1)) ** 2
-    kept = slice(1, (n - 1) // 2 + 1)
-    # Twice, as the power of negative frequencies is that of the positive ones.
+    inner = slice(1, (n - 1) // 2 + 1)  # without 0, and without the highest frequency of an even n
+    # Twice, as negative frequencies have the same power as positive ones.
     scale = 2 * field.unit**2 * field.block_width / max(float(window @ window), 1.0)
-    density = power.mean(axis=0)[kept] * scale
-    frequencies = np.fft.rfftfreq(n, field.block_width)[kept]
+    density = power.mean(axis=0)[inner] * scale
+    frequencies = np.fft.rfftfreq(n, field.block_width)[inner]
     has_power = density > _ROUNDING * max(float(power.mean(axis=0).max()) * scale, field.unit**2 * field.block_width)
     slope = exponent(frequencies[has_power], density[has_power])
     return ProfileSpectrum(
@@ -80,7 +80,8 @@ def _spectrum(field: StepField, axis: int) -> ProfileSpectrum:
 def _profiles(field: StepField, axis: int) -> Array:
     """Return the levels of the longest rows of blocks along an axis, between frames or sides, (profiles, n)."""
     levels, block = (field.levels, ~field.frame) if axis == 0 else (field.levels.T, ~field.frame.T)
-    # Shorter rows, if any, have other frequencies: their spectra cannot be averaged with these.
+    # Shorter rows, if any, have other frequencies: their spectra cannot be averaged with these. In `ends` a row begins
+    # at 1 and stops at -1.
     ends = np.diff(np.pad(block.T, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     line, first = np.nonzero(ends == 1)
     length = np.nonzero(ends == -1)[1] - first

@@ -1,10 +1,10 @@
-"""Forms of the commands that pages run, as jobs: fields of each, and the command line for values of them.
+"""Forms of the commands that pages run as jobs: the fields of each, and the command line for values of these.
 
     parser of a command --CommandForm--> fields, and values --> arguments
 
 A command line is the form of its command: each flag, and each argument besides the recipe, is a field. A flag that is
-declared has its sort, bounds and unit; any other takes a text, or is a switch. The command line is the room above this
-one and starts the page, so it is found by its name, as the processes are that run its commands (`jobs.py`).
+declared has its sort, bounds and unit; any other takes a text, or is a switch. The command line starts the page, so it
+is imported by its name, and only when forms are made.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class DescribedCommand(TypedDict):
 class CommandForm:
     """The form of a command.
 
-    fields: the actions of its parser that a form has, by name; output: that of the file or folder to write, if any
+    fields: the actions of its parser that a form has, by name; output: the action of what it writes, if any
     takes_recipe: whether a document stands for one of its arguments
     recipe_flags: the parameters of a recipe that it has flags for, obstacles among them
     """
@@ -86,6 +86,7 @@ class CommandForm:
     def of(cls, known: Command, parser: Any) -> CommandForm:
         """Return the form of a command from its declaration and its parser."""
         parser.describe_flags()
+        # A document stands for the recipe, so flags for recipes are out, as are flags that the page itself decides.
         name = known.name
         actions = {action.dest: action for action in parser.actions}
         arguments = {action.dest for action in parser.actions if not action.option_strings}
@@ -121,7 +122,7 @@ class CommandForm:
     @property
     def needs_output(self) -> bool:
         """Return whether it cannot do without a file or folder to write."""
-        # A data set's is one of two flags of which one is needed, and the other is no field.
+        # For a data set one of two flags is needed, --output and --verify, and the other is no field.
         return self.output is not None and (self.output.required or self.name == "dataset")
 
     def described(self) -> DescribedCommand:
@@ -152,7 +153,7 @@ class CommandForm:
         made = field(parameter, basic=basic)
         made["title"] = _TITLES_OF.get((self.name, action.dest), made["title"])
         if action.nargs == 0:
-            # The help of a flag such as --no-contacts is that of switching it off.
+            # The help of a flag such as --no-contacts says what happens without it, and a switch is on by default.
             switched_on = parameter.sort.help or made["help"].removeprefix("do not ")
             text = switched_on if made["default"] else made["help"]
             made = {**made, "schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
@@ -246,7 +247,7 @@ def command_forms() -> Mapping[str, CommandForm]:
 
 
 def command_form(name: str) -> CommandForm:
-    """Return the form of a command; an UnknownName, which lists the commands, if there is none."""
+    """Return the form of a command; an UnknownName, which lists the commands, for another name."""
     if name not in command_forms():
         raise UnknownName.among("command", "command", name, command_forms())
     return command_forms()[name]

@@ -68,12 +68,12 @@ def run_gui(arguments: argparse.Namespace) -> None:
     from rsegen.page.service import Service
 
     serving = _Serving(**checked_flags(_Serving, arguments))
-    folder, what = _place(arguments.recipe)
+    folder, to_open = _place(arguments.recipe)
     host = Host(folder=folder)
     if has_recipe_flags(arguments):
         opened: OpenedDocument = {"doc": host.open(Session.of(recipe_from(arguments))).id, "play": ""}
     else:
-        opened = open_document(host, what=what)
+        opened = open_document(host, what=to_open)
     with flags_in_errors(_Serving):
         service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
     service.keep_token()
@@ -83,22 +83,22 @@ def run_gui(arguments: argparse.Namespace) -> None:
 
 def _place(given: str | None) -> tuple[Path, str]:
     """Return the folder in which the page reads and writes, and what it opens: a file is opened in its own folder."""
-    here = Path.cwd()
+    working_folder = Path.cwd()
     if given is None:
-        return here, ""
+        return working_folder, ""
     path = Path(given)
     if path.is_dir() and not (path / "recipe.json").exists():
         return path.resolve(), ""
-    name, sharp, number = given.rpartition("#")
-    file = Path(name) if sharp and number.isdecimal() and not path.exists() else path
-    if not file.exists() or file.resolve().is_relative_to(here.resolve()):
-        return here, given
-    own = file.resolve()
-    return own.parent, own.name + (f"#{number}" if file != path else "")
+    name, sharp, place = given.rpartition("#")  # a map of a data set
+    file = Path(name) if sharp and place.isdecimal() and not path.exists() else path
+    if not file.exists() or file.resolve().is_relative_to(working_folder.resolve()):
+        return working_folder, given
+    target = file.resolve()
+    return target.parent, target.name + (f"#{place}" if file != path else "")
 
 
 def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> None:
-    """Print the address, and open the browser if there is one that a person sees."""
+    """Print the address, and open a browser if the user can see it."""
     from rsegen.writing.programs import has_screen
 
     if arguments.json:
@@ -160,7 +160,7 @@ def add_view(command: Parser) -> None:
 
 
 def run_view(arguments: argparse.Namespace) -> Report:
-    """Make the page, and write it."""
+    """Write the page of all maps."""
     from rsegen.page.view import html_path, view_all
     from rsegen.writing.store import refuse_taken_file
 

@@ -59,14 +59,16 @@ class Texts(TypedDict):
 @call_of_host
 def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
     """Open a new recipe, a file, an example, a map of a data set, or a drive with its map."""
+    # In this order: a new recipe, a map of a data set (DIR#17), an example or a file; a file of the page's folder is
+    # edited, any other one is only the beginning of a document without a file.
     if not what:
         return {"doc": host.open().id, "play": ""}
-    name, sharp, number = what.rpartition("#")
-    path = host.places.inside(name if sharp and number.isdecimal() else what)
-    if sharp and number.isdecimal():
-        opened = host.open(Session.of(recipe_in(f"{path}#{number}")), what)
+    name, sharp, place = what.rpartition("#")
+    path = host.places.inside(name if sharp and place.isdecimal() else what)
+    if sharp and place.isdecimal():
+        opened = host.open(Session.of(recipe_in(f"{path}#{place}")), what)
         opened.what = what
-        opened.data_set = {"folder": name, "place": int(number), "maps": _maps_in(path)}
+        opened.data_set = {"folder": name, "place": int(place), "maps": _maps_in(path)}
         return {"doc": opened.id, "play": ""}
     is_example = what in EXAMPLES and not path.exists()
     if not is_example and not path.exists():

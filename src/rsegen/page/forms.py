@@ -1,4 +1,4 @@
-"""Forms of a page, each made of the one declaration that there is: a field of each parameter.
+"""Forms of a page, made of the declarations of parameters: a field for each of them.
 
     Declared --field--> Field of a page       parameters of a recipe --global_groups--> fields in groups
 
@@ -196,7 +196,7 @@ def _with_words(parameter: Declared, schema: dict[str, Json]) -> dict[str, Json]
 
 
 def global_groups() -> list[Group]:
-    """Return the parameters of a recipe in groups, those of the paper first."""
+    """Return the parameters of a recipe in groups, the paper's first."""
     known = declared(Recipe)
     grouped = {*BASIC, *(name for names in _GROUPS.values() for name in names)}
     others = tuple(name for name in known if name not in grouped)
@@ -208,7 +208,7 @@ def global_groups() -> list[Group]:
 
 
 def kinds() -> list[Kind]:
-    """Return every kind of obstacle with its own parameters, levels and softness first, and those of its place."""
+    """Return all kinds of obstacles with their own parameters, levels and softness first, and parameters of places."""
     return [
         {
             "name": name,

@@ -39,7 +39,7 @@ class Row(TypedDict):
 
 
 class Problem(TypedDict):
-    """The reason why a draft is invalid; the scene is that of the last valid one."""
+    """The reason why a draft is invalid; the scene shows the last valid one."""
 
     where: str
     text: str
@@ -303,13 +303,14 @@ class Host:
         return self.documents[name]
 
     def open(self, session: Session | None = None, title: str = "untitled", text: str = "") -> Opened:
-        """Open a session that has no file as a document; without one a new recipe.
+        """Open a session that has no file as a document; without a session a new recipe.
 
-        A new recipe gets the changes of any document without a file that an earlier process did not save, another one
-        those of a document that began as it does.
+        Changes of a document without a file that an earlier process did not save are brought back: all of them for a
+        new recipe, and for another session only changes of a document that began as it does.
         """
         begins = session or Session.of()
         with self._lock:
+            # Documents without a file are numbered; the number is the name of the draft on disk.
             taken = {opened.document.journal.name for opened in self.all()}
             drafts = (DraftFile(name=f"{self.folder.resolve()}: untitled {number}") for number in count(1))
             free = (draft for draft in drafts if draft.name not in taken)

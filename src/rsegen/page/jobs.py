@@ -178,8 +178,8 @@ class Jobs:
             else:
                 self._run(run)
         except Exception as error:  # of the system: no processes, a full disk
-            said = system_message(error) if isinstance(error, OSError) else str(error) or type(error).__name__
-            run.job.state, run.job.lines = "failed", [line_of(said)]
+            problem = system_message(error) if isinstance(error, OSError) else str(error) or type(error).__name__
+            run.job.state, run.job.lines = "failed", [line_of(problem)]
         finally:
             run.job.step = ""
             self.notify(run)

@@ -27,7 +27,7 @@ _MADE = ("drive.json", "manifest.json", "summary.json")
 
 
 class Places(NamedTuple):
-    """The folder in which pages read and write, and that of the files that they sent, if there are any."""
+    """The folder in which pages read and write, and the folder of files that they sent, if any."""
 
     folder: Path
     sent: Path | None = None

@@ -2,8 +2,8 @@
 
     document or map, values, output --run--> Job, which is `rsegen COMMAND` in its own process (`jobs.py`)
 
-The line of a shell that does the same works wherever the folder of the page is the working folder, also for a recipe
-that was never saved: it then has the recipe's flags, or, where a command has not all of them, writes the maps first.
+The shell line does the same in the folder of the page. For a recipe that was never saved it has the recipe's flags, or,
+if the command lacks some of them, it writes the maps first.
 The folder with what a run wrote is shown in the file manager of the machine where the server runs.
 """
 
@@ -97,13 +97,13 @@ def _arguments(host: Host, form: CommandForm, values: Mapping[str, Json], output
 def shell_line(
     host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", target: str = ""
 ) -> ShellLine:
-    """Return the line of a shell that does what `run` does with these arguments, or why there is none."""
+    """Return the shell line that does what `run` does with these arguments, or why it cannot be given."""
     form, document = command_form(command), host.opened(doc).document
     try:
-        given = _arguments(host, form, values, output, target)
+        words = _arguments(host, form, values, output, target)
     except UserError as error:
         return {"text": "", "why": error.problem if isinstance(error, ParameterError) else str(error)}
-    return {"text": _line(given, form, document, host.places, values), "why": ""}
+    return {"text": _line(words, form, document, host.places, values), "why": ""}
 
 
 def _line(given: _Arguments, form: CommandForm, document: Document, places: Places, values: Mapping[str, Json]) -> str:
@@ -137,21 +137,21 @@ def run(  # noqa: PLR0913  # a page gives each
     takes_document = form.takes_recipe and not target
     if takes_document and (problem := document.session.problem):
         raise ParameterError(problem.where, problem.problem)
-    given = _arguments(host, form, values, output, target)
-    place = given.place
-    given.flags.extend(["--force"] if replace and form.can_replace else [])
+    words = _arguments(host, form, values, output, target)
+    place = words.place
+    words.flags.extend(["--force"] if replace and form.can_replace else [])
     recipe = document.session.recipe if takes_document else None
     job = Job(
         id=host.jobs.new_id(),
         doc=doc,
         command=command,
-        line=_line(given, form, document, host.places, values),
+        line=_line(words, form, document, host.places, values),
         output=str(place or ""),
     )
     # A command without arguments takes no -- before them either.
-    arguments = [command, *given.flags, "--json", "--progress=json"]
-    if given.others or given.made_maps or recipe:
-        arguments += ["--", *given.others, *given.made_maps]
+    arguments = [command, *words.flags, "--json", "--progress=json"]
+    if words.others or words.made_maps or recipe:
+        arguments += ["--", *words.others, *words.made_maps]
     made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
     # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
     made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
@@ -234,7 +234,7 @@ class ShownFolder(TypedDict):
 
 @call_of_host
 def show_folder(host: Host, *, path: str) -> ShownFolder:
-    """Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it."""
+    """Open the file manager on a folder, or on the folder of a file; only a person at this machine sees it."""
     place = host.places.inside(path)
     folder = place if place.is_dir() else place.parent
     opener = which(_OPENERS.get(sys.platform, "xdg-open"))

@@ -82,7 +82,7 @@ class DocumentMap(WarnedMap):
 
 @call_at_once
 def scene(opened: Opened, *, index: int | None = None, page: str = "") -> DocumentMap:
-    """Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe."""
+    """Return a map of a document as it is drawn; if the draft is invalid, a map of the last valid recipe."""
     with opened.lock:
         session = opened.session
         recipe, rows, revision = session.recipe, session.draft.rows, session.revision
@@ -155,7 +155,7 @@ def cached(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
             opened.kept.move_to_end(key)
             known: _Made = opened.kept[key]
             return known
-    made = make()
+    made = make()  # without the lock, as it may take seconds; at worst two calls make it
     with opened.lock:
         opened.kept[key] = made
         while len(opened.kept) > _KEPT:
@@ -184,7 +184,7 @@ def _drawn(made: Scene) -> _Drawn:
 
 
 def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:
-    """Return the rows of the list that made the cells, in base64: those of the recipe by their keys.
+    """Return for each cell the row of the list that made it, in base64; obstacles are matched by their keys.
 
     A draft that is invalid may have other rows than the recipe that is drawn.
     """

@@ -2,8 +2,8 @@
 
     request --Guard: host, origin--> route --token, size, JSON--> types --> call in a thread --> JSON
 
-Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it, and not in the command
-line of a browser that is opened, which other users of the machine can read. A web page that somebody else made can send
+Nothing that comes in is trusted. The token is in the printed address, as in Jupyter, but not in the command line of the
+browser that is opened: other users of the machine can read that. A web page that somebody else made can send
 requests to this machine too: it has no token, and of the answers it can read none, as no other origin is allowed. A
 name that was made to lead here ("DNS rebinding") is not among the hosts that are answered.
 """
@@ -278,8 +278,8 @@ class Desk:
         return HTMLResponse(await run_in_threadpool(manual_page))
 
     def _has_token(self, request: Request) -> bool:
-        given = request.query_params.get("token", "")
-        return secrets.compare_digest(given.encode(), self.token.encode())
+        token = request.query_params.get("token", "")
+        return secrets.compare_digest(token.encode(), self.token.encode())
 
     def remove_door(self) -> None:
         """Remove the file that led a browser here."""
@@ -356,8 +356,8 @@ class Desk:
         waiting = [asyncio.ensure_future(events.get()), asyncio.ensure_future(self.ended.wait())]
         try:
             await asyncio.wait(waiting, timeout=_ALIVE, return_when=asyncio.FIRST_COMPLETED)
-            got = waiting[0]
-            return got.result() if got.done() else None  # type: ignore[return-value]  # the event
+            event = waiting[0]
+            return event.result() if event.done() else None  # type: ignore[return-value]  # the event
         finally:
             for task in waiting:
                 task.cancel()
@@ -375,8 +375,8 @@ class Desk:
         return parsed(await body_of(request, MOST_CALL))
 
     def _check_token(self, request: Request) -> None:
-        given = request.headers.get("authorization", "")
-        if not secrets.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
+        credentials = request.headers.get("authorization", "")
+        if not secrets.compare_digest(credentials.encode(), f"Bearer {self.token}".encode()):
             raise Refused(403, "the token is wrong: open the address that rsegen gui printed last")
 
 

@@ -162,9 +162,9 @@ def _kept_token(folder: Path) -> str:
         with suppress(FileExistsError):
             create_private(path, token)
             return token
-        kept = regular_content(path, 100) or b""
-        if re.fullmatch(rb"[A-Za-z0-9_-]{32}", kept):
-            return kept.decode("ascii")
+        earlier = regular_content(path, 100) or b""
+        if re.fullmatch(rb"[A-Za-z0-9_-]{32}", earlier):
+            return earlier.decode("ascii")
     return token
 
 

@@ -170,7 +170,7 @@ def drawn(shown: ShownMap, factor: int = 1) -> Drawing:
 
 
 def _materials(field: StepField) -> Ints:
-    """Return the material of each cell: its level, or that of frames."""
+    """Return the material of each cell: its level, or `_FRAME`."""
     return np.where(field.frame, _FRAME, field.levels)
 
 
@@ -188,8 +188,8 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[Materia
         height = round(field.frame_height if is_frame else material * field.unit, 9)
         colour = surface = _GROUND
         if material:
-            number = 0 if is_frame else material
-            colour, surface = shown.drawn.plan_colour(number), shown.drawn.view_colour(number)
+            of_drawable = 0 if is_frame else material
+            colour, surface = shown.drawn.plan_colour(of_drawable), shown.drawn.view_colour(of_drawable)
         yield {
             "level": None if is_frame else material,
             "height": height,

@@ -31,7 +31,7 @@ MOST_MAPS = 1000
 """Maps on a page at most: they are chosen from a list."""
 
 _LONG = 100_000
-"""Letters of JSON from which on a page shows a recipe as JSON: as YAML it would take PyYAML a second and more."""
+"""Letters of JSON from which on a page shows a recipe as JSON: PyYAML would take a second and more for it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -43,9 +43,10 @@ class Animation:
             if not len(rows) and self._lasts + self.milliseconds <= _LONGEST:
                 self._lasts += self.milliseconds
                 return
-            # Its corner is at even pixels, as the format counts them in twos.
-            top, left = (int(some[0]) // 2 * 2 if len(some) else 0 for some in (rows, columns))
-            bottom, right = (int(some[-1]) + 1 if len(some) else 1 for some in (rows, columns))
+            # Its corner is at even pixels, as the format counts them in twos. Without a change it is one pixel: the
+            # frame before has lasted as long as it can.
+            top, left = (int(changes[0]) // 2 * 2 if len(changes) else 0 for changes in (rows, columns))
+            bottom, right = (int(changes[-1]) + 1 if len(changes) else 1 for changes in (rows, columns))
             changed = pixels[top:bottom, left:right]
         self._close()
         high, wide = changed.shape[:2]

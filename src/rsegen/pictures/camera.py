@@ -1,8 +1,8 @@
 """The picture of coloured triangles from a camera, in perspective with shadows, without OpenGL and without a screen.
 
 Each pixel keeps the nearest triangle (a visibility buffer), as one number whose high half is its nearness and whose low
-half is its index, so that the nearest of all is their maximum. Of triangles, rows and pixels come in arrays: a triangle
-is cut into rows, a row into pixels. The inverse of the distance along the camera's axis is linear in a picture, so it
+half is its index: the maximum of several is the nearest. Of triangles, rows and pixels come in arrays: a triangle is
+cut into rows, a row into pixels. The inverse of the distance along the camera's axis is linear in a picture, so it
 is known at each pixel. The sun looks at the same triangles in parallel, and what it does not see is in the shadow.
 
     triangles --rows--> spans --pixels--> nearest triangle --sun--> colours --mean of 2 x 2--> picture
@@ -32,7 +32,7 @@ _Lit = NDArray[np.float32]
 """Depth image of the sun: distance of the first surface at each pixel towards it, metres."""
 
 _NEAR = 0.05
-"""Metres in front of a camera from which on it sees, as that of Gazebo."""
+"""Metres in front of a camera from which on it sees, as Gazebo's does."""
 
 _FINER = 2
 """Rows and columns that are drawn for each of the picture, so that edges have no stairs."""
@@ -159,6 +159,7 @@ class View:
 
     def _window(self, corners: Array) -> tuple[slice, slice] | None:
         """Return rows and columns of the picture that triangles and their shadows may change; None if none."""
+        # The shadow of a corner is on the ground where the line through it to the sun meets z = 0.
         heights = np.maximum(corners[..., 2:], 0.0)
         seen = self._camera.projected(np.concatenate([corners, corners - heights / _SUN[2] * _SUN]))
         parts = []
@@ -181,7 +182,7 @@ class View:
         # The side of a triangle that is seen is the one towards the camera.
         normals = _normals(of.corners)
         normals[(normals * (camera.place - of.corners[:, 0])).sum(axis=1) < 0] *= -1
-        # A place is that of the camera, and what is between them: away, times a ray of length 1 along the axis.
+        # A place is the camera's plus `away` times a ray, whose length along the axis is 1.
         step = tan(camera.view / 2) * 2 / width
         x = (np.arange(wide) + _FINER * columns.start + 0.5 - width / 2) * step
         y = (np.arange(high) + _FINER * rows.start + 0.5 - height / 2) * step
@@ -225,8 +226,8 @@ class _Sun:
     ) -> Ints:
         """Return the share of each place that the sun sees, in quarters.
 
-        The place of a pixel is that of the camera and `away` times its ray: axes (3, 3), and x and y along the first
-        two. facing: normals of triangles, and the triangle of each pixel
+        The place of a pixel is the camera's plus `away` times its ray: axes (3, 3), and x and y along the first two.
+        facing: normals of triangles, and the triangle of each pixel
         """
         (axes, x, y), (normals, triangle) = rays, facing
         # A surface would shade itself between the pixels of the sun, so its places are raised by three of them.
@@ -268,17 +269,18 @@ def _pixels(seen: Array, shape: tuple[int, ...]) -> Iterator[tuple[Ints, Array, 
     high, wide = shape
     a, b, c = seen[:, 0], seen[:, 1], seen[:, 2]
     area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    (kept,) = np.nonzero(np.isfinite(area) & (np.abs(area) > 1e-9))
+    (visible,) = np.nonzero(np.isfinite(area) & (np.abs(area) > 1e-9))  # not behind the camera, nor seen edge on
     # Rows whose middles are between the lowest and the highest corner.
-    y_a, y_b, y_c = (corner[kept, 1] for corner in (a, b, c))  # numpy is slow along short axes
+    y_a, y_b, y_c = (corner[visible, 1] for corner in (a, b, c))  # numpy is slow along short axes
     low = np.clip(np.ceil(np.minimum(np.minimum(y_a, y_b), y_c) - 0.5), 0, high).astype(np.int64)
     end = np.clip(np.floor(np.maximum(np.maximum(y_a, y_b), y_c) - 0.5) + 1, 0, high).astype(np.int64)
     which, row = ragged(np.maximum(end - low, 0))
-    triangle, row = kept[which], row + low[which]
+    triangle, row = visible[which], row + low[which]
     left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
     middle = row + 0.5
-    for one, other in ((a, b), (b, c), (c, a)):
-        (x0, y0), (x1, y1) = one[triangle, :2].T, other[triangle, :2].T
+    # A row begins and ends where its middle crosses two of the three edges.
+    for start_corner, end_corner in ((a, b), (b, c), (c, a)):
+        (x0, y0), (x1, y1) = start_corner[triangle, :2].T, end_corner[triangle, :2].T
         crosses = (np.minimum(y0, y1) <= middle) & (middle <= np.maximum(y0, y1)) & (y0 != y1)
         share = np.divide(middle - y0, y1 - y0, out=np.zeros(len(row)), where=y0 != y1)
         x = x0 + share * (x1 - x0)
@@ -291,9 +293,9 @@ def _pixels(seen: Array, shape: tuple[int, ...]) -> Iterator[tuple[Ints, Array, 
     with np.errstate(divide="ignore", invalid="ignore"):
         along_x = (up_b * (c[:, 1] - a[:, 1]) - up_c * (b[:, 1] - a[:, 1])) / area
         along_y = (up_c * (b[:, 0] - a[:, 0]) - up_b * (c[:, 0] - a[:, 0])) / area
-    for some in _portions(counts):
-        span, column = ragged(counts[some])
-        x, y, own = column + start[some][span], row[some][span], triangle[some][span]
+    for portion in _portions(counts):
+        span, column = ragged(counts[portion])
+        x, y, own = column + start[portion][span], row[portion][span], triangle[portion][span]
         nearness = a[own, 2] + along_x[own] * (x + 0.5 - a[own, 0]) + along_y[own] * (y + 0.5 - a[own, 1])
         yield y * wide + x, nearness, own
 
@@ -301,7 +303,7 @@ def _pixels(seen: Array, shape: tuple[int, ...]) -> Iterator[tuple[Ints, Array, 
 def _portions(counts: Ints) -> Iterator[slice]:
     """Yield slices of counts that add up to _AT_ONCE about."""
     ends = counts.cumsum()
-    number = int(ends[-1]) // _AT_ONCE + 1 if len(ends) else 0
-    cuts = np.searchsorted(ends, [_AT_ONCE * part for part in range(1, number)]).tolist()
-    for first, last in zip([0, *cuts], [*cuts, len(counts)], strict=True) if number else ():
+    portions = int(ends[-1]) // _AT_ONCE + 1 if len(ends) else 0
+    cuts = np.searchsorted(ends, [_AT_ONCE * part for part in range(1, portions)]).tolist()
+    for first, last in zip([0, *cuts], [*cuts, len(counts)], strict=True) if portions else ():
         yield slice(first, last)

@@ -159,7 +159,7 @@ def _swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
 def legend_swatches(drawn: Drawable, most: int, levels: Collection[int] | None = None) -> list[Any]:
     """Return swatches of all that a plan shows: the level ground, at most `most` heights above it, and frames.
 
-    levels: those of several plans; by default of this one
+    levels: of several plans; by default of this one
     """
     from matplotlib.patches import Patch
 

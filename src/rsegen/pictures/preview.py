@@ -2,8 +2,8 @@
 
 The view is from the south-east and above, by parallel projection. It is exact: columns on a grid are drawn from the
 farthest to the nearest (the painter's algorithm), so that they hide one another as the blocks do. Plan and view are
-side by side, or one below the other for long maps. The cost is that of drawing three polygons per column, so of large
-maps each column is the highest of several cells.
+side by side, or one below the other for long maps. Nearly all time goes into drawing three polygons per column, so of
+large maps each column is the highest of several cells.
 
      _______________________________       p = (-x sin a + y cos a,  z cos e + (-x cos a - y sin a) sin e)
     |  plan   |   view     | legend |      for the azimuth a and the elevation e
@@ -83,7 +83,7 @@ _BESIDE, _BELOW, _ABOVE, _GAP, _EDGE = 0.7, 0.6, 0.8, 0.25, 0.12
 """Inches left and right of, below and above a plan for its numbers and title; between plan and view; at the edge."""
 
 _TITLE, _HEAD = 0.35, 0.35
-"""Inches of the title of the picture, and of that of the view."""
+"""Inches of the title of the picture, and of the title of the view."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -142,13 +142,14 @@ COLUMN, DPI, _TALL = 3.5, 300, 5.0
 
 def _in_a_column(plan: float, view: float, entries: int, lines: int) -> PictureLayout:
     """Return the layout for a column of a paper: plan, view with a title of some lines, and a legend below them."""
-    number, head, gap = 0.45, 0.2 + 0.12 * (lines - 1), 0.05
-    width, below = COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
+    # Inches of numbers and labels, of the title of the view, and between parts; letters of 7 points are 0.1 high.
+    numbers, head, gap = 0.45, 0.2 + 0.12 * (lines - 1), 0.05
+    width, below = COLUMN - 2 * numbers, 0.16 * -(-entries // _ACROSS) + gap
     above, middle = min(width / plan, _TALLEST / 2), min((COLUMN - 2 * gap) / view, _TALLEST / 2)
-    low = below + middle + head + number
+    low = below + middle + head + numbers
     return PictureLayout(
-        size=(COLUMN, low + above + number + 0.2),
-        plan=(number, low, width, above),
+        size=(COLUMN, low + above + numbers + 0.2),
+        plan=(numbers, low, width, above),
         view=(gap, below, COLUMN - 2 * gap, middle),
         legend=0.0,
     )
@@ -215,7 +216,7 @@ def draw_view(axes: Axes, drawn: Drawable, robot: DrawnRobot | None = None) -> s
     (left, low), (right, high) = view_bounds(drawn)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
     axes.set_axis_off()
-    # Arrows along x and y, from the corner of smallest x and y.
+    # Arrows along x and y, from the corner of smallest x and y; `view_bounds` has left room for them.
     mean = _mean_side(drawn)
     start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
     for name, along in (("x", (1, 0)), ("y", (0, 1))):
@@ -323,6 +324,7 @@ def preview_figure(
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
 
+    # The layout needs the legend first, as it takes the width or the height that plan and view share.
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
     ratios = along_x / along_y, float(wide / high)

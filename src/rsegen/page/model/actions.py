@@ -49,8 +49,8 @@ def act(session: Session, actions: Sequence[Action], index: int) -> int:
     """Apply actions, all or none of them, on a page that shows map `index`; return the row that the last was about."""
     selected = -1
     with session.all_or_nothing(), session.together():
-        for number, action in enumerate(actions):
-            with inside(f"actions[{number}]"):
+        for position, action in enumerate(actions):
+            with inside(f"actions[{position}]"):
                 selected = _apply(session, action, index)
     return min(selected, len(session.draft.rows) - 1)
 
@@ -58,11 +58,11 @@ def act(session: Session, actions: Sequence[Action], index: int) -> int:
 def _apply(session: Session, action: Action, index: int) -> int:
     if not isinstance(action, dict):
         raise ParameterError("", f"{shown(action)} is not an action")
-    given = dict(action)
-    name = given.pop("do", None)
+    arguments = dict(action)
+    name = arguments.pop("do", None)
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
-    known = checked_arguments(_ACTIONS[name], given)
+    known = checked_arguments(_ACTIONS[name], arguments)
     for where in ("row", "to"):
         if where in known and not (name == "paint" and known["row"] == -1):
             _check_row(session, where, known[where])
@@ -158,7 +158,7 @@ def painted(entry: Entry | None, cells: Sequence[Cell], level: int) -> dict[str,
     start, levels = _grown(entry, cells)
     for x, y in cells:
         levels[x - start[0], y - start[1]] = level
-    (x1, x2), (y1, y2) = (_span(levels >= 0, axis) for axis in (0, 1))
+    (x1, x2), (y1, y2) = (_span(levels >= 0, axis) for axis in (0, 1))  # it shrinks too, if cells are erased
     matrix = Matrix.of(levels[x1:x2, y1:y2])
     first = start[0] + x1, start[1] + y1
     return {
@@ -187,8 +187,8 @@ def _grown(entry: Entry | None, cells: Sequence[Cell]) -> tuple[Cell, Ints]:
 
 def _span(covered: Mask, axis: int) -> tuple[int, int]:
     """Return the range of painted cells along an axis; the first cell if none is painted."""
-    there = np.flatnonzero(covered.any(axis=1 - axis))
-    return (int(there[0]), int(there[-1]) + 1) if len(there) else (0, 1)
+    painted_lines = np.flatnonzero(covered.any(axis=1 - axis))
+    return (int(painted_lines[0]), int(painted_lines[-1]) + 1) if len(painted_lines) else (0, 1)
 
 
 End = Literal["first", "last", "both"]
@@ -237,6 +237,7 @@ def with_end_at(entry: Entry, end: End, cell: Cell, design: MapDesign, index: in
     ends = _cell(placed.get("first")), _cell(placed.get("last"))
     if not all(ends):
         return entry
+    # The step of the middle to the cell, cut so that both ends stay on the map.
     by = [
         min(max(to - sum(pair) // 2, -min(pair)), cells - 1 - max(pair))
         for to, pair, cells in zip(cell, zip(*ends, strict=True), design.grid.shape, strict=True)
@@ -248,6 +249,7 @@ def with_end_at(entry: Entry, end: End, cell: Cell, design: MapDesign, index: in
 def aligned(entry: Entry, end: str) -> Entry:
     """Return an entry with one end moved in line with the other if its kind must be axis-aligned, else as it is."""
     ends = [_cell(entry.get(name)) for name in (end, "last" if end == "first" else "first")]
+    # Ends in line are the only thing that makes it valid: then its kind must be axis-aligned.
     if _obstacle(entry) or not all(ends):
         return entry
     (x, y), (other_x, other_y) = ends

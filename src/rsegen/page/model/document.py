@@ -4,10 +4,10 @@ A journal has drafts on disk after every change, so that a crash or a kill loses
 
     $XDG_STATE_HOME/rsegen/HASH-PID.json   the draft of a document whose path has this hash, in the process PID
 
-A draft knows the checksum of the text that it began with, so one that is brought back over a file that somebody has
-changed since is reported as a conflict. A draft exists exactly as long as it is not in its file. One of a process that
-has ended is found by the next one that opens the same document. It is written whole, next to its place, and then
-renamed, so a kill leaves the one before.
+A draft knows the checksum of the text that it began with: if somebody has changed the file since, a draft that is
+brought back is reported as a conflict. A draft exists exactly as long as it is not in its file. The draft of a process
+that has ended is found by the next process that opens the same document. It is written whole, next to its place, and
+then renamed, so a kill leaves the one before.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ class Document:
                 self.session.set(name="name", value=parameters(Recipe)["name"].check("name", target.stem))
 
 
-_DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "name")
+_DEFAULT_NAME = next(known.default for known in fields(Recipe) if known.name == "name")
 
 
 def _checksum(content: bytes) -> str:
@@ -235,7 +235,7 @@ class DraftFile:
             self.failed = f"unsaved changes are lost if rsegen ends: they cannot be kept in {state_folder()} ({reason})"
 
     def remove(self) -> None:
-        """Remove the draft, as it is saved or discarded; also those of processes that have ended."""
+        """Remove the draft, as it is saved or discarded, and all drafts of it by processes that have ended."""
         for path in (state_file(self._stem), *self._left()):
             with suppress(OSError):
                 path.unlink(missing_ok=True)

@@ -123,7 +123,7 @@ class Session:
     """A draft and its history.
 
     changed: called after every change; revision: counts them, undo included; problem: why the draft is invalid;
-    recipe: the last valid one; saved: the draft that is in the file, None if there is none.
+    recipe: the last valid one; saved: the draft that is in the file, None without a file.
     """
 
     draft: Draft
@@ -202,8 +202,8 @@ class Session:
         """
         before = self.draft.rows[row]
         stays = {name: before[name] for name in ("key", "enabled") if name in before}
-        given = {name: value for name, value in entry.items() if name not in ("key", "enabled")}
-        self._replace(row, {**given, **stays}, gesture)
+        changed = {name: value for name, value in entry.items() if name not in ("key", "enabled")}
+        self._replace(row, {**changed, **stays}, gesture)
 
     def undo(self) -> None:
         """Undo the last change."""
@@ -244,7 +244,7 @@ class Session:
             yield
         except Exception:
             revision = self.revision
-            vars(self).update(before)
+            vars(self).update(before)  # pages that saw a change in between need a newer revision for its end
             if revision != self.revision:
                 self.revision = revision + 1
                 self.changed()

@@ -132,7 +132,7 @@ def _set_values(tree: Any, before: Recipe, recipe: Recipe) -> None:
 
 
 def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
-    """Bring the rows of a tree to those of a recipe, each with its comments."""
+    """Give a tree the rows of a recipe; rows that stay keep their comments."""
     from ruamel.yaml.comments import CommentedSeq
 
     rows = tree.get("obstacles")
@@ -141,27 +141,28 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
         return
     if not rows:
         rows = tree["obstacles"] = CommentedSeq()
-    numbers = _rows_before(rows, before, recipe)
+    old_places = _rows_before(rows, before, recipe)
     entries = [obstacle.entry() for obstacle in without_derived_keys(recipe.obstacles)]
     # A row that stays keeps its node, in which most of its comments are; those between rows are moved with it.
     nodes, comments = [], {}
     block = not any(row.fa.flow_style() for row in rows)
     for place, obstacle in enumerate(recipe.obstacles):
-        number, entry = numbers[place], entries[place]
-        if number is None:
+        old_place, entry = old_places[place], entries[place]
+        if old_place is None:
             nodes.append(_row(entry, block=block and bool(rows)))
             continue
-        _set_row(rows[number], before.obstacles[number].entry(), obstacle.entry() if "key" in rows[number] else entry)
-        nodes.append(rows[number])
-        if number in rows.ca.items:
-            comments[place] = rows.ca.items[number]
+        node = rows[old_place]
+        _set_row(node, before.obstacles[old_place].entry(), obstacle.entry() if "key" in node else entry)
+        nodes.append(node)
+        if old_place in rows.ca.items:
+            comments[place] = rows.ca.items[old_place]
     if len(nodes) == len(rows) and all(old is new for old, new in zip(rows, nodes, strict=True)):
         return
-    kept = rows.ca.items
-    kept.clear()
+    between_rows = rows.ca.items
+    between_rows.clear()
     rows[:] = []
     rows.extend(nodes)
-    kept.update(comments)
+    between_rows.update(comments)
 
 
 def _rows_before(rows: Any, before: Recipe, recipe: Recipe) -> list[int | None]:
@@ -170,15 +171,15 @@ def _rows_before(rows: Any, before: Recipe, recipe: Recipe) -> list[int | None]:
     It is known by its key. A row without one in the file has another key with each change: it is taken for the next row
     of its kind that is not found.
     """
-    numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
-    found = [numbers.get(obstacle.key) for obstacle in recipe.obstacles]
-    left = [number for number in sorted({*numbers.values()} - {*found}) if "key" not in rows[number]]
+    by_key = {obstacle.key: place for place, obstacle in enumerate(before.obstacles)}
+    old_places = [by_key.get(obstacle.key) for obstacle in recipe.obstacles]
+    left = [place for place in sorted({*by_key.values()} - {*old_places}) if "key" not in rows[place]]
     for place, obstacle in enumerate(recipe.obstacles):
-        alike = [number for number in left if before.obstacles[number].kind == obstacle.kind]
-        if found[place] is None and alike:
-            found[place] = alike[0]
+        alike = [old for old in left if before.obstacles[old].kind == obstacle.kind]
+        if old_places[place] is None and alike:
+            old_places[place] = alike[0]
             left.remove(alike[0])
-    return found
+    return old_places
 
 
 def _set_row(node: Any, before: dict[str, Json], after: dict[str, Json]) -> None:
@@ -214,7 +215,7 @@ def _node(value: Json) -> Any:
 
 
 def _patched(text: str, unchanged: str, changed: str) -> str:
-    """Return the text with the lines changed in which two others differ, of which the first says the same as it."""
+    """Return a text with the changes from `unchanged` to `changed`, of which the first has the same content as it."""
     lines, old, new = (version.splitlines(keepends=True) for version in (text, unchanged, changed))
     places = _places(old, lines)
     result: list[str] = []
@@ -230,12 +231,12 @@ def _patched(text: str, unchanged: str, changed: str) -> str:
 
 
 def _places(old: Sequence[str], lines: Sequence[str]) -> list[int]:
-    """Return for the start of each line of `old`, and for its end, where that is in `lines`."""
+    """Return the line of `lines` at which each line of `old` begins, and at last the one where it ends."""
     places = [0] * (len(old) + 1)
     for tag, low, high, start, stop in SequenceMatcher(None, old, lines, autojunk=False).get_opcodes():
-        for number in range(low, high):
+        for line in range(low, high):
             # Lines that are written otherwise belong together one by one, as far as they go.
-            places[number] = start + (number - low if tag == "equal" else min(number - low, stop - start))
+            places[line] = start + (line - low if tag == "equal" else min(line - low, stop - start))
     places[len(old)] = len(lines)
     return places
 

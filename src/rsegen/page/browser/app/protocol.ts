@@ -109,7 +109,7 @@ export interface Ends {
   last: [number, number];
 }
 
-/* The reason why a draft is invalid; the scene is that of the last valid one. */
+/* The reason why a draft is invalid; the scene shows the last valid one. */
 export interface Problem {
   where: string;
   text: string;
@@ -630,11 +630,11 @@ export interface Calls {
   run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string; replace?: boolean }; result: Job };
   /* Write a document to its file, or to another one in the folder. */
   save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
-  /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
+  /* Return a map of a document as it is drawn; if the draft is invalid, a map of the last valid recipe. */
   scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
-  /* Return the line of a shell that does what `run` does with these arguments, or why there is none. */
+  /* Return the shell line that does what `run` does with these arguments, or why it cannot be given. */
   shell_line: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string }; result: ShellLine };
-  /* Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it. */
+  /* Open the file manager on a folder, or on the folder of a file; only a person at this machine sees it. */
   show_folder: { args: { path: string }; result: ShownFolder };
   /* Return all that pages show of a document; index: the map that the page shows. */
   state: { args: { doc: string; page?: string; index?: number | null }; result: State };
