@@ -159,6 +159,7 @@ def test_the_points_of_a_file_come_back(name: str, tmp_path: Path) -> None:
         ("Easting,Northing,Elevation,Intensity", "xyz-"),
         ("Points_Magnitude,Points_0,Points_1,Points_2", "-xyz"),
         ("Points:2,Points:0,Points:1,Scalars", "zxy-"),
+        ('"laser_id","Points_m_XYZ:0","Points_m_XYZ:1","Points_m_XYZ:2"', "-xyz"),
         ("time,field.position.x,field.position.y,field.position.z", "-xyz"),
         ("pos_z,pos_x,pos_y", "zxy"),
         ("position.x,x,y,z", "-xyz"),

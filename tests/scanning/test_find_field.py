@@ -335,10 +335,23 @@ def points_of(**values: Any) -> Array:
     return cloud_of(field_of(**values))
 
 
+@pytest.mark.slow
+def test_zeros_of_points_that_were_not_measured_are_left_out() -> None:
+    """As drivers of lidars and depth cameras write them, in the frame of the sensor."""
+    cloud = cloud_of(field_of()) - (0.6, 0.2, 2.2)
+    scan = find_field(np.concatenate([cloud, np.zeros((len(cloud) // 8, 3))]))
+    right_turn(scan, field_of())
+
+
 BAD: Mapping[str, tuple[Any, ScanSettings, str]] = {
-    "few points": (lambda: np.zeros((20, 3)), ScanSettings(), "too few points for a field: 20"),
+    "few points": (lambda: np.ones((20, 3)), ScanSettings(), "too few points for a field: 20"),
     "another shape": (lambda: np.zeros((900, 2)), ScanSettings(), r"shape \(900, 2\)"),
     "no numbers": (lambda: np.full((900, 3), np.nan), ScanSettings(), "too few points for a field: 0;"),
+    "places of a map in 32 bits": (
+        lambda: (points_of() + np.array([5e5, 5.4e6, 400])).astype(np.float32),
+        ScanSettings(),
+        "m from the origin, where numbers of 32 bits are 0.5 m apart; write them in 64 bits",
+    ),
     "millimetres": (lambda: 1000 * points_of(), ScanSettings(), "set the unit of its numbers"),
     "no plane": (lambda: np.random.default_rng(1).random((5000, 3)), ScanSettings(), "no ground plane"),
     "a floor alone": (

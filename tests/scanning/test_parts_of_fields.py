@@ -11,6 +11,9 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.params.sorts import Cell
+from rsegen.scanning.extent import extent_of
+from rsegen.scanning.levels import Reading
 from rsegen.scanning.scan import Scan
 
 
@@ -106,3 +109,14 @@ def room_with_cartons() -> Array:
 def test_a_carton_in_a_room_is_no_field_if_only_its_blocks_are_known(options: dict[str, object]) -> None:
     with pytest.raises(ScanError):
         rsegen.scan(room_with_cartons(), rsegen.ScanOptions(**options))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("raised", "rows"), [((9, 8), [1]), ((8, 7), [1, 2])])
+def test_a_field_of_a_given_size_is_around_the_middle_of_what_is_raised(raised: Cell, rows: list[int]) -> None:
+    """Along x, in which there are several such places, and along y."""
+    heights = np.pad(np.full(raised, 0.1), 5)
+    ones = np.ones(heights.shape, int)
+    reading = Reading(heights=heights, counts=ones, slopes=0.0 * ones, strays=0.0 * ones, spread=0.01, first=(0, 0))
+    corner, shape = extent_of(reading, 0.1, (10, 10))
+    assert shape == (10, 10)
+    assert 5 - corner[1] in rows

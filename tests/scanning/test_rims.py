@@ -120,3 +120,25 @@ def test_a_rim_is_a_frame_if_one_is_wanted(tmp_path: Path) -> None:
     assert scan.boundary == "outer"
     assert scan.frame_height == pytest.approx(0.3)
     assert rsegen.scan(file, rsegen.ScanOptions(size=(10, 10))).scan.boundary == "outer"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("peak", "said"),
+    [(True, "those at the sides are lower than the others (--size if there are some)"), (False, "")],
+)
+def test_a_scan_says_that_a_peak_may_go_on_at_level_0(
+    peak: bool, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its rim looks like floor, and as nothing tells them apart, only 8 x 8 of 10 x 10 blocks are found."""
+    i, j = np.indices((10, 10))
+    rising, rng = np.minimum(np.minimum(i, 9 - i), np.minimum(j, 9 - j)), np.random.default_rng(1)
+    levels = rising + (rising > 0) * rng.integers(0, 2, (10, 10)) if peak else rng.integers(0, 4, (10, 10))
+    heights = 0.1 * np.pad(levels, 4)
+    x, y = rng.uniform(0, 1.75, (2, 40_000))
+    z = heights[(x * 10).astype(int), (y * 10).astype(int)] + rng.normal(0, 0.003, x.shape)
+    np.savetxt(tmp_path / "peak.xyz", np.column_stack([x, y, z]), fmt="%.4f")
+    assert main(["scan", str(tmp_path / "peak.xyz"), "-o", str(tmp_path / "out")]) == 0
+    lines = [line for line in "".join(capsys.readouterr()).splitlines() if "are the whole field" in line]
+    assert len(lines) == bool(said)
+    assert all(said in line for line in lines)

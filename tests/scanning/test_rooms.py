@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -99,3 +100,24 @@ def test_a_carton_next_to_a_field_does_not_change_its_unit(seed: int) -> None:
     assert 0.03 < scanned.left_out / len(cloud) < 0.6
     assert scanned.scan.whole is None
     right_turn(scanned.scan, field)
+
+
+def _plane(rng: np.random.Generator, half: float, hole: float, height: float, points: int) -> Array:
+    """Points of a level square with a square hole, both about the origin: halves of their sides, and its height [m]."""
+    places = rng.uniform(-half, half, (points, 2))
+    places = places[np.abs(places).max(axis=1) > hole]
+    return np.column_stack([places, height + rng.normal(0, 0.004, len(places))])
+
+
+@pytest.mark.parametrize(
+    "planes",
+    [[(8, 1, 0, 150_000)], [(2.2, 1, 0, 50_000), (2.2, 0, 2.5, 50_000)], [(1.9, 0.95, -0.14, 30_000)]],
+    ids=["the only thing on a wide floor", "below a ceiling", "on a low stage"],
+)
+def test_a_field_is_found_among_planes(planes: Sequence[tuple[float, float, float, int]]) -> None:
+    field, rng = field_of(4), np.random.default_rng(4)
+    near = cloud_of(field)
+    near = near[np.abs(near[:, :2]).max(axis=1) < max(hole for _, hole, _, _ in planes)]
+    scan = rsegen.scan(np.concatenate([near, *(_plane(rng, *each) for each in planes)])).scan
+    right_turn(scan, field)
+    assert scan.seen.mean() > 0.8

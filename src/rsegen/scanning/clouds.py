@@ -80,8 +80,9 @@ _OTHER_TITLES = (
     {"easting": "x", "northing": "y", "elevation": "z", "height": "z", "altitude": "z"},
     {"points:0": "x", "points:1": "y", "points:2": "z"},  # ParaView
     {"points_0": "x", "points_1": "y", "points_2": "z"},
+    {"points_m_xyz:0": "x", "points_m_xyz:1": "y", "points_m_xyz:2": "z"},  # VeloView
 )
-"""Other titles of the columns of x, y and z, as programs of surveyors and ParaView write them."""
+"""Other titles of the columns of x, y and z, as programs of surveyors, ParaView and VeloView write them."""
 
 _IN_A_NAME = re.compile(r"^.*[._ ]([xyz])$")
 """The title of a part of something, as position.x or pos_x."""

@@ -144,8 +144,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
     yield from _rim(scan, options, written)
     yield from _board(scan, options, written)
-    if options.size is None:
-        yield from _size(scan)
+    yield from _size(scan) if options.size is None else _place(scan)
     errors = np.abs(scan.errors[scan.seen])
     mean, most = (written.with_unit(float(error)) for error in (errors.mean(), errors.max()))
     yield f"tops are {mean} from their levels on average, {most} at most"
@@ -159,6 +158,8 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
 
 def _size(scan: Scan) -> Iterator[str]:
     """Yield lines if the field may be smaller or larger than it was found."""
+    from rsegen.scanning.evidence import rows_may_follow
+
     for side, (raised, cells) in scan.sparse_edges.items():
         yield (
             f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
@@ -175,10 +176,28 @@ def _size(scan: Scan) -> Iterator[str]:
             f"assumed: floor around {n_x} x {n_y} blocks, though it ends at lines of the grid as blocks would "
             f"(--size {whole} if it is blocks at level 0)"
         )
+    elif why := rows_may_follow(scan):
+        n_x, n_y = scan.blocks.shape
+        yield (
+            f"assumed: {n_x} x {n_y} blocks are the whole field; rows at level 0 next to them would look like floor, "
+            f"and {why} (--size if there are some)"
+        )
     for side in scan.open_sides:
         yield (
             f"warning: almost no cells next to the {side} side were seen: if the field goes on there, set --size, "
             "or a scan that shows the floor next to it"
+        )
+
+
+def _place(scan: Scan) -> Iterator[str]:
+    """Yield a line if a field of a given size may as well be a row farther, as its sides look like floor."""
+    raised = scan.levels > 0
+    sides = {"west": raised[0], "east": raised[-1], "south": raised[:, 0], "north": raised[:, -1]}
+    level = [name for name, cells in sides.items() if not cells.any()]
+    if level and not scan.frame.any():
+        yield (
+            "assumed: what is raised is in the middle of the field, as rows at level 0 look like floor, here at "
+            f"{' and '.join(level)} (else move the levels in the recipe)"
         )
 
 

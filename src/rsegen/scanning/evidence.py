@@ -142,6 +142,21 @@ def falls_to_its_sides(scan: Scan) -> bool:
     return 2 * int(own.max()) <= int(others.max()) and float(others.mean() - own.mean()) > _FALLS * error
 
 
+_MOST_LEVEL = 0.1
+"""Probability of a row at level 0 from which on a field may have one: random blocks of two levels have it up to
+5 x 5."""
+
+
+def rows_may_follow(scan: Scan) -> str:
+    """Return why rows of blocks at level 0 may be next to those that are raised; nothing if that is unlikely."""
+    if falls_to_its_sides(scan):
+        return "those at the sides are lower than the others"
+    if np.gcd(*scan.levels.shape) == 1 and not scan.frame.any() and stepped_lines(scan).confidence < CERTAIN:
+        return "they are no square, and few lines between them have steps"
+    chance = chance_of_level_row(scan)
+    return f"{chance:.0%} of fields with as many raised have such a row" if chance > _MOST_LEVEL else ""
+
+
 def cells_per_block(scan: Scan) -> int:
     """Return how many cells of a scan a block is wide: 2 if steps are at every second line along x and along y."""
     steps = steps_by_line(scan)

@@ -70,7 +70,7 @@ def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple
         return (int(i.min()), int(j.min())), (int(np.ptp(i)) + 1, int(np.ptp(j)) + 1)
     inside = _counts_within(np.pad(raised, [(cells, cells) for cells in shape]), shape)
     best = np.argwhere(inside == inside.max())
-    middle = best[len(best) // 2] - shape
+    middle = best[int(np.square(best - best.mean(axis=0)).sum(axis=1).argmin())] - shape
     return (int(middle[0]), int(middle[1])), shape
 
 

@@ -56,6 +56,9 @@ _SMALLEST = 0.05
 _LARGEST = 200.0
 """Widths of a cloud in metres: others are in another unit, as centimetres taken for metres are 100 times as wide."""
 
+_COARSE = 0.01
+"""Metres to which places may be rounded: a tenth of a block of 10 cm, as numbers of 32 bits are 130 km away."""
+
 _LEAST_AGREEING = 0.6
 """Share of the cells of a known field that must agree: two fields of five levels agree in a third of their blocks by
 chance, at the best place, and in all cells of equal frames: together in half of 12 x 12 cells."""
@@ -356,7 +359,8 @@ def usable(points: Array) -> tuple[Array, Array]:
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
-    points = points[np.isfinite(points).all(axis=1)]
+    # Some programs write zeros for a point that was not measured, as others write nan.
+    points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)]
     if len(points) < _FEWEST_POINTS:
         raise ScanError(f"too few points for a field: {len(points):,}; at least {_FEWEST_POINTS} are needed")
     # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
@@ -367,8 +371,19 @@ def usable(points: Array) -> tuple[Array, Array]:
             f"the cloud is {extent:{',.0f' if extent > 1 else '.3g'}} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set "
             f"the unit of its numbers ({', '.join(CENTIMETRES)}) with values, or cut all but the field out of it"
         )
+    _refuse_coarse(points, float(np.abs([low, high]).max()))
     near = ((points > low - extent) & (points < high + extent)).all(axis=1)
     return points[near] - (low + high) / 2, (low + high) / 2
+
+
+def _refuse_coarse(points: Array, farthest: float) -> None:
+    """Raise a ScanError if places as far from the origin as those of maps were written in numbers of 32 bits."""
+    apart = float(np.spacing(np.float32(farthest)))
+    if apart > _COARSE and (points.astype(np.float32) == points).all():
+        raise ScanError(
+            f"the points are {farthest:,.0f} m from the origin, where numbers of 32 bits are {apart:.2g} m apart; "
+            "write them in 64 bits, or subtract the place of one of them from all"
+        )
 
 
 def _unit_and_grid(

@@ -22,7 +22,7 @@ from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
-from rsegen.scanning.evidence import CERTAIN, chance_of_level_row, falls_to_its_sides, stepped_lines
+from rsegen.scanning.evidence import rows_may_follow
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
@@ -32,10 +32,6 @@ from rsegen.scanning.surroundings import find_field_apart, is_doubtful, may_be_p
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
-
-_MOST_LEVEL = 0.1
-"""Probability of a row at level 0 from which on a field without a floor has no size: random blocks of two levels have
-it up to 5 x 5."""
 
 _AS_WIDE = 0.03
 """Share by which blocks of one width may differ as they are measured."""
@@ -274,14 +270,7 @@ def _refuse_part(scan: Scan) -> None:
 
 def _may_go_on(scan: Scan) -> str:
     """Return why blocks at level 0 may be next to those that are raised; nothing if that is unlikely."""
-    if scan.apart:
-        return f"{scan.apart} of the raised stand apart"
-    if falls_to_its_sides(scan):
-        return "those at the sides are lower than the others"
-    if np.gcd(*scan.levels.shape) == 1 and not scan.frame.any() and stepped_lines(scan).confidence < CERTAIN:
-        return "they are no square, and few lines between them have steps"
-    chance = chance_of_level_row(scan)
-    return f"{chance:.0%} of fields with as many raised have such a row" if chance > _MOST_LEVEL else ""
+    return f"{scan.apart} of the raised stand apart" if scan.apart else rows_may_follow(scan)
 
 
 def _vector(direction: Array) -> tuple[float, float, float]:

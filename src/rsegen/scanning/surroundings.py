@@ -44,6 +44,12 @@ _FLOOR = 0.3
 _MOST_THINGS = 3
 """Largest things that are looked at, of each width of cells."""
 
+_MOST_OF_PLAN = 0.1
+"""Share of the plan that a single thing may be to be looked at by itself: a field of 1 m on a floor of 4 m."""
+
+_HIGHEST = 2.0
+"""Height above the floor from which on there is no field, but what is over it: ceilings, lamps [m]."""
+
 _OVERHANG = 0.1
 """Share of a block by which points of a field may be next to it, as its grid is found before its unit is exact."""
 
@@ -66,8 +72,8 @@ _MOST_BESIDE = 0.3
 """Cells around a thing that are as high as blocks, as a share of its own, up to which they are other things: a carton
 next to a field of 10 x 10 blocks has 0.12."""
 
-_LEAST_TABLE = 0.05
-"""Height of a table above the floor, at the least, as a share of the width of the cloud: 15 cm in a room of 3 m."""
+_LEAST_TABLE = 0.02
+"""Height of a table above the floor, at the least, as a share of the width of the cloud: 6 cm in a room of 3 m."""
 
 
 def is_doubtful(scan: Scan, settings: ScanSettings, known: StepField | None) -> bool:
@@ -164,9 +170,15 @@ def _raised_beside(scan: Scan, points: Array) -> int:
 
 
 def _things(points: Array, up: Sequence[float] | None, eye: Array | None) -> Iterator[list[Array]]:
-    """Yield things that may be fields, some at a time: on the floor, all on a table together, and each on it."""
+    """Yield things that may be fields, some at a time: all below a ceiling, each on the floor, all on a table together,
+    and each on it.
+    """
     ground = level_frame(points, up, eye)
     upright = ground.apply(points)
+    below = upright[:, 2] < _HIGHEST
+    points, upright = points[below], upright[below]
+    if 1 - below.mean() > _FEW_OTHERS:
+        yield [points]
     yield from _things_apart(points, upright, ground.noise)
     with suppress(ScanError):
         on_table = points[upright[:, 2] > _table(sample(upright))]
@@ -192,7 +204,8 @@ def _width(upright: Array) -> float:
 
 
 def _things_apart(points: Array, upright: Array, noise: float) -> Iterator[list[Array]]:
-    """Yield for each width of cells the largest things in a cloud, if there are several: points, with those around.
+    """Yield for each width of cells the largest things in a cloud, if there are several, or a single one that is small
+    in it: points, with those around.
 
     upright: the same points above their ground; noise: of the ground [m].
     """
@@ -202,7 +215,7 @@ def _things_apart(points: Array, upright: Array, noise: float) -> Iterator[list[
         raised = _raised(place, is_above)
         labels = _labels(raised)
         sizes = np.bincount(labels[raised], minlength=labels.max() + 1)
-        if np.count_nonzero(sizes) > 1:
+        if np.count_nonzero(sizes) > 1 or 0 < sizes.max(initial=0) < _MOST_OF_PLAN * labels.size:
             largest = [label for label in np.argsort(-sizes, kind="stable")[:_MOST_THINGS].tolist() if sizes[label]]
             yield [points[_around(labels, label)[place[:, 0], place[:, 1]]] for label in largest]
 
