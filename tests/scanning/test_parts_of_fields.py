@@ -120,3 +120,18 @@ def test_a_field_of_a_given_size_is_around_the_middle_of_what_is_raised(raised: 
     corner, shape = extent_of(reading, 0.1, (10, 10))
     assert shape == (10, 10)
     assert 5 - corner[1] in rows
+
+
+def test_a_scan_says_that_the_place_of_a_given_size_is_assumed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Stairs whose first step is at level 0 have it on either side: what is raised is in the middle."""
+    stairs = np.repeat(np.arange(10)[:, None], 10, axis=1) // 2
+    np.save(tmp_path / "stairs.npy", from_above(apart(stairs[:9], 0, stairs[9:])))
+    for size, said in (("10x10", "rows at level 0 look like floor, here at "), ("8x10", "")):
+        main(
+            ["scan", str(tmp_path / "stairs.npy"), "-o", str(tmp_path / size), "--size", size, "--block-width-cm", "10"]
+        )
+        lines = [line for line in "".join(capsys.readouterr()).splitlines() if "in the middle of the field" in line]
+        assert len(lines) == bool(said)
+        assert all(said in line for line in lines)
