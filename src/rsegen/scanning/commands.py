@@ -160,6 +160,7 @@ def _size(scan: Scan) -> Iterator[str]:
     """Yield lines if the field may be smaller or larger than it was found."""
     from rsegen.scanning.evidence import rows_may_follow
 
+    # First what may be no part of it, then what may be one more.
     for side, (raised, cells) in scan.sparse_edges.items():
         yield (
             f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
