@@ -60,7 +60,7 @@ from rsegen import (
     series,
 )
 from rsegen.build_sheets.document import pages
-from rsegen.cli.parser import parser_of
+from rsegen.cli.command_line import parser_of
 from rsegen.experiments import report as experiments
 from rsegen.experiments.run import load_summary
 from rsegen.formats import MAT

@@ -49,7 +49,7 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
     assert set(TopologicalSorter(imports).static_order()) == graph.modules  # or a CycleError that names the circle
 
 
-def test_folders_of_the_core_name_none_beyond_them_for_type_checkers_either() -> None:
+def test_the_core_names_no_folder_beyond_it_for_type_checkers_either() -> None:
     graph = grimp.build_graph("rsegen", cache_dir=None)
     folders = {path.name for path in HOUSE.iterdir() if path.is_dir()}
     named = {
@@ -58,7 +58,16 @@ def test_folders_of_the_core_name_none_beyond_them_for_type_checkers_either() ->
         for imported in graph.find_modules_directly_imported_by(module)
     }
     beyond = {folder: folders - {*CORE[: CORE.index(folder) + 1]} for folder in CORE}
+    beyond |= {path.stem: folders - {*CORE} for path in HOUSE.glob("*.py")}  # modules that belong to no folder
     assert {(folder, imported) for folder, imported in named if imported in beyond.get(folder, ())} == set()
+
+
+def test_modules_of_the_house_are_not_imported_by_name() -> None:
+    """A name in a text hides an import from the tests above; `rsegen` itself imports what capabilities declare."""
+    declared = {HOUSE / "__init__.py", HOUSE / "params" / "capabilities.py"}
+    by_name = re.compile(r"""import_module\(f?["']rsegen\b""")
+    texts = {path: path.read_text("utf-8") for path in HOUSE.rglob("*.py") if path not in declared}
+    assert [str(path) for path, text in texts.items() if by_name.search(text)] == []
 
 
 def folder_of(module: str) -> str:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.edge import main
-from rsegen.cli.parser import parser_of
 from rsegen.params.capabilities import commands
 from tests.support.long import long_unless
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import rsegen
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.edge import main
-from rsegen.cli.parser import parser_of
 from rsegen.errors import ParameterError
 from rsegen.params.capabilities import commands
 from rsegen.params.sorts import Choice, Float, Integer, ListOf

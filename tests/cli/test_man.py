@@ -9,8 +9,8 @@ import subprocess
 
 import pytest
 
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.edge import main
-from rsegen.cli.parser import parser_of
 from rsegen.params.capabilities import commands
 from tests.support.complaints import exit_code, the_line
 

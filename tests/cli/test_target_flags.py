@@ -18,9 +18,9 @@ import rsegen.driving.commands
 import rsegen.simulators.commands
 import rsegen.spawning.commands
 from rsegen import Peak, Random
+from rsegen.cli.command_line import parsed as parsed_words
 from rsegen.cli.edge import main
 from rsegen.cli.flags import obstacle_in, target_of
-from rsegen.cli.parser import parsed as parsed_words
 from rsegen.errors import ParameterError
 from rsegen.obstacles.base import Obstacle
 from rsegen.recipe.examples import EXAMPLES

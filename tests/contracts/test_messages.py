@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 import rsegen
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.edge import in_flags
-from rsegen.cli.parser import parser_of
 from rsegen.errors import UserError
 from rsegen.params.capabilities import commands
 from rsegen.params.command import declared

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rsegen import KINDS, Obstacle, Recipe
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.edge import main
-from rsegen.cli.parser import parser_of
 from rsegen.errors import _PARAMETERS, UnknownName, did_you_mean
 from rsegen.obstacles.base import row_parameters
 from rsegen.params.capabilities import Command, commands, unknown_command

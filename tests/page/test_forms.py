@@ -12,7 +12,7 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from rsegen.cli.parser import parser_of
+from rsegen.cli.command_line import parser_of
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import row_parameters

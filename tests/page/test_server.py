@@ -22,7 +22,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen.cli.parser import parser_of
+from rsegen.cli.command_line import parser_of
 from rsegen.obstacles import KINDS
 from rsegen.page import calls
 from rsegen.page.host import Host

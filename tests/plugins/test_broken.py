@@ -337,7 +337,7 @@ def test_of_two_sidecars_with_one_name_the_first_is_taken(tmp_path: Path) -> Non
 
 
 def test_no_name_of_a_flag_is_free_for_sidecars() -> None:
-    from rsegen.cli.parser import parser_of
+    from rsegen.cli.command_line import parser_of
     from rsegen.params.capabilities import commands
     from rsegen.writing.sidecars import OF_SOME, READING, RESERVED_FLAGS
 

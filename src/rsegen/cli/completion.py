@@ -14,7 +14,8 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rsegen.cli.parser import Parser, load_plugins, parser, parser_of
+from rsegen.cli.command_line import load_plugins, parser, parser_of
+from rsegen.cli.parser import Parser
 from rsegen.errors import RsegenError
 from rsegen.params.capabilities import commands, known_words
 from rsegen.params.sorts import ListOf

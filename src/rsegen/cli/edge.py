@@ -33,7 +33,8 @@ from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.parser import FLAG, OVERVIEW, load_plugins, parsed, parser_of
+from rsegen.cli.command_line import OVERVIEW, load_plugins, parsed, parser_of
+from rsegen.cli.parser import FLAG
 from rsegen.errors import (
     REFUSED,
     PluginWarning,

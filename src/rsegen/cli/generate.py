@@ -15,8 +15,9 @@ from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import add_input, add_recipe_flags, recipe_from
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, counted, maps_bar
+from rsegen.cli.report import Report, call, maps_bar
 from rsegen.params.command import add_flags, command, declared, given
+from rsegen.params.numbers import counted
 from rsegen.writing.sidecars import chosen_sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:

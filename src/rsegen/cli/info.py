@@ -15,8 +15,9 @@ from rsegen.cli.flags import (
 )
 from rsegen.cli.generate import SHOWN
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, counted
+from rsegen.cli.report import Report
 from rsegen.errors import ParameterError
+from rsegen.params.numbers import counted
 from rsegen.params.sorts import parameters
 
 if TYPE_CHECKING:

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen import __version__
+from rsegen.cli.command_line import parser, parser_of
 from rsegen.cli.parameters import Force
-from rsegen.cli.parser import Parser, parser, parser_of
+from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.errors import UnknownName
 from rsegen.params.capabilities import commands, unknown_command

@@ -91,11 +91,6 @@ def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
         add_flags(command, _Shared, only=["dry_run"])
 
 
-def counted(count: int, what: str) -> str:
-    """Return a count of things in words: 1 file, 1,200 files."""
-    return f"{count:,} {what}{'' if count == 1 else 's'}"
-
-
 def call(function: Callable[..., R], arguments: argparse.Namespace, *positional: Any, **named: Any) -> R:
     """Call a command with what its flags say, and what else is given; its errors name the flags."""
     with flags_in_errors(function):

@@ -22,10 +22,11 @@ from rsegen.cli.flags import (
 from rsegen.cli.generate import add_output_flags, generate, going_on, run_options, warnings_of
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, counted, counting, progress_shown
+from rsegen.cli.report import Report, call, counting, progress_shown
 from rsegen.errors import ParameterError
 from rsegen.measuring.parameters import By, ByRobot, From, SameField, To
 from rsegen.params.command import add_flags, command, declared, given
+from rsegen.params.numbers import counted
 from rsegen.params.sorts import Choice, Integer
 from rsegen.writing.sidecars import chosen_sidecars, with_sidecars
 

@@ -31,6 +31,7 @@ from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.errors import NoSpot, ParameterError, SimulatorFailed, Stopped, UserError
 from rsegen.params.command import Reported
+from rsegen.params.numbers import counted
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
@@ -172,7 +173,7 @@ class ManyDrives(Reported):
         if times:
             yield f"  median time of crossing {np.median(times):.3g} s"
         if tipped := sum(drive.tipped > 0 for drive in self.drives):
-            yield f"  tipped over on {tipped} map{'' if tipped == 1 else 's'}"
+            yield f"  tipped over on {counted(tipped, 'map')}"
         failed = [drive for drive in self.drives if drive.failed]
         yield from (f"  map {drive.map} has no result: {drive.failed}" for drive in failed[:_FAILED])
         if more := len(failed[_FAILED:]):

@@ -15,9 +15,10 @@ from rsegen.cli.flags import (
 from rsegen.cli.generate import SHOWN, going_on, run_options
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, counted, counting
+from rsegen.cli.report import Report, call, counting
 from rsegen.formats.parameters import EXPLAINED, FormatList, listed, row_of_names
 from rsegen.params.command import Shell, add_flags, command
+from rsegen.params.numbers import counted
 from rsegen.params.sorts import FilePath, Integer, Reference
 from rsegen.params.streams import SEEDS
 

@@ -16,10 +16,10 @@ from rsegen.cli.flags import (
 )
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, counted
+from rsegen.cli.report import Report
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
-from rsegen.params.numbers import decimal, lengths_in
+from rsegen.params.numbers import counted, decimal, lengths_in
 from rsegen.params.sorts import CENTIMETRES, FilePath, Flag, parameters
 from rsegen.pictures.flags import picture_of
 from rsegen.recipe.recipe import Recipe

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rsegen.cli.flags import add_target_flags, add_target_recipe_flags, maps_of_flags
 from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, counted, share_bar
+from rsegen.cli.report import Report, share_bar
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import CrossingModel, StepLimits, predictions, robot_kinds, robot_that_crosses
 from rsegen.params.command import Shell, add_flags, given
-from rsegen.params.numbers import Lengths, lengths_in, whole_degrees
+from rsegen.params.numbers import Lengths, counted, lengths_in, whole_degrees
 from rsegen.params.sorts import Flag, Float, Reference
 from rsegen.pictures.flags import PictureName, picture_of
 

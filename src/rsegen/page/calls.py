@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
 from types import NoneType, UnionType
 from typing import Any, Literal, TypedDict, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -77,8 +78,7 @@ def call_of_host(function: _F) -> _F:
 
 def load_calls() -> None:
     """Import every module of this package, and those that capabilities declare, each of which registers its calls."""
-    package = import_module("rsegen.page")
-    for module in iter_modules(package.__path__, "rsegen.page."):
+    for module in iter_modules([str(Path(__file__).parent)], f"{__package__}."):
         import_module(module.name)
     for _ in hooks("calls"):
         pass

@@ -3,8 +3,7 @@
     parser of a command --CommandForm--> fields, and values --> arguments
 
 A command line is the form of its command: each flag, and each argument besides the recipe, is a field. A flag that is
-declared has its sort, bounds and unit; any other takes a text, or is a switch. The command line starts the page, so it
-is imported by its name, and only when forms are made.
+declared has its sort, bounds and unit; any other takes a text, or is a switch.
 """
 
 from __future__ import annotations
@@ -13,9 +12,10 @@ import argparse
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from typing import Any, Literal, TypedDict
 
+from rsegen.cli.command_line import parser_of
+from rsegen.cli.flags import RECIPE
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.page.forms import BASIC, Field, Schema, field
 from rsegen.page.places import Places
@@ -91,12 +91,7 @@ class CommandForm:
         actions = {action.dest: action for action in parser.actions}
         arguments = {action.dest for action in parser.actions if not action.option_strings}
         takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
-        of_recipe = {
-            action
-            for part in parser.groups
-            if part.title == import_module("rsegen.cli.flags").RECIPE
-            for action in part.actions
-        }
+        of_recipe = {action for part in parser.groups if part.title == RECIPE for action in part.actions}
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
         shown = {
@@ -238,11 +233,8 @@ def _inside(name: str, text: str, places: Places) -> str:
 @cache
 def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
-    line = import_module("rsegen.cli.parser")
     return {
-        name: CommandForm.of(known, line.parser_of(name))
-        for name, known in commands().items()
-        if name not in _OF_A_SHELL
+        name: CommandForm.of(known, parser_of(name)) for name, known in commands().items() if name not in _OF_A_SHELL
     }
 
 

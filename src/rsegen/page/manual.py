@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 
 import rsegen
-from rsegen.cli.parser import parser_of
+from rsegen.cli.command_line import parser_of
 from rsegen.cli.reference import run_obstacles
 from rsegen.page.shown_map import source_of
 from rsegen.params.capabilities import commands

@@ -30,6 +30,11 @@ def whole_degrees(angle: float) -> str:
     return f"{rounded} degree{'' if rounded == '1' else 's'}"
 
 
+def counted(count: int, what: str) -> str:
+    """Return a count of things in words: 1 file, 1,200 files."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
 DRESSED: Mapping[float, int] = MappingProxyType({0.75: 1, 1.5: 2, 2.5: 3, 3.5: 4, 5.5: 6, 7.25: 8, 9.25: 10, 11.25: 12})
 """Nominal inches by which lumber is sold in the USA and Canada, by the inches that it has when it is dry and planed
 (American Softwood Lumber Standard, PS 20)."""

@@ -15,6 +15,7 @@ from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.errors import ParameterError, some_of
 from rsegen.params.command import Shell, add_flags
+from rsegen.params.numbers import counted
 from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 
 if TYPE_CHECKING:
@@ -238,8 +239,8 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     frames = robot.frames()
     masses = inertials(frames)
     bare = links_by_default(frames)
-    origins = [f"the <inertial> of {_links(len(masses) - len(bare))}"] if len(masses) > len(bare) else []
-    origins += [f"1 kg each, as SDF has it, for {_links(len(bare))} without a mass"] if bare else []
+    origins = [f"the <inertial> of {counted(len(masses) - len(bare), 'link')}"] if len(masses) > len(bare) else []
+    origins += [f"1 kg each, as SDF has it, for {counted(len(bare), 'link')} without a mass"] if bare else []
     mass = sum(body.mass for body in masses.values())
     yield _measured("mass", mass, "kg", "; ".join(origins))
     kinds: dict[str, int] = {}
@@ -329,10 +330,6 @@ def _middle(values: Array) -> float:
 def _ahead(metres: float) -> str:
     """Return how far ahead or behind a place is, in words."""
     return f"{abs(metres):.3f} m {'behind' if metres < 0 else 'ahead'}"
-
-
-def _links(count: int) -> str:
-    return f"{count} link{'' if count == 1 else 's'}"
 
 
 def _remarks(robot: SdfRobot) -> Iterator[str]:

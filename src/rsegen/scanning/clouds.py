@@ -152,6 +152,7 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
     if values is None and usual == _NO_UNIT:
         raise ParameterError("values", f"{path} has depths of 8 bits, too few for millimetres; set mm, cm, m or in")
     metres = CENTIMETRES[values or usual] / 100
+    # A mesh, depths or points: pixels and points are told apart by the last axis, as an array may hold either.
     if not isinstance(numbers, np.ndarray):
         numbers.apply_scale(metres)
         return numbers
@@ -179,6 +180,7 @@ def _of_meshes(paths: Sequence[Path], meshes: Sequence[trimesh.Trimesh], up: Seq
     cloud = seen_from_above(trimesh.Trimesh(*parts, process=False), up)
     if not len(cloud.points):
         raise FileError(f"{paths[0]}: has no faces with an area")
+    # Who gives an `up` that the format of the file contradicts, and that shows less, has mixed up the axes.
     if up is not None and cloud.clearer is not None:
         for path in paths:
             if (axis := _axis_up(path)) and abs(np.eye(3)["xyz".index(axis)] @ cloud.clearer) > _ALONG:
@@ -253,6 +255,7 @@ def _text(path: Path) -> tuple[Array, str]:
         raise FileError(f"{path}: no line has three numbers x, y, z")
     _refuse_many(path, len(lines) - first)
     columns, unit = _columns(path, lines[first - 1] if first else "", lines[first])
+    # A comma is the decimal one where lines cannot be read else; 1,2,3,4 alone may be two numbers or four.
     if any(_DECIMAL_COMMAS.match(line) for line in lines[first : first + _LOOKED_AT]):
         lines[first:] = [_A_DECIMAL_COMMA.sub(".", line) for line in lines[first:]]
     elif any(_CUT_NUMBER.search(line) for line in lines[first : first + _LOOKED_AT]):
@@ -341,6 +344,7 @@ def _pcd(path: Path) -> tuple[Array, str]:
                 if len(points) < header.points:
                     raise FileError(f"{path}: has {len(points):,} of the {header.points:,} points that it says")
                 return points
+            # The header as it was understood goes before the bytes of the points, for pypcd4 to read both.
             cloud = PointCloud.from_fileobj(BufferedReader(BytesIO("\n".join([*lines, ""]).encode() + file.read())))
             return np.asarray(cloud.numpy([names[axis] for axis in "xyz"]), dtype=np.float64)
 
@@ -380,6 +384,7 @@ def _las(path: Path) -> tuple[Array, str]:
                     raise ValueError(f"has {len(points):,} of the {reader.header.point_count:,} points that it says")
                 return points
 
+    # Heights first become lengths in the unit of x and y, as both may differ; that unit is then one with a name.
     points = _checked(path, read_with(SCAN, path, read))
     metres = system.metres or 1.0
     points[:, 2] *= (system.metres_up or metres) / metres

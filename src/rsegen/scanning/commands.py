@@ -80,6 +80,7 @@ def run_scan(arguments: argparse.Namespace) -> Report:
     options = ScanOptions(**given(ScanOptions, arguments, arguments.units))
     fit = picture_of(arguments.fit, force=arguments.force)
     scanned = scan(arguments.clouds, options)
+    # Flags of recipes change the world around the field that was found, not the field.
     recipe = with_flags(scanned.recipe, arguments)
     scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
     name, sure = f"{recipe.name}_fit.png", f"{recipe.name}_confidence.csv"
@@ -160,7 +161,7 @@ def _size(scan: Scan) -> Iterator[str]:
     """Yield lines if the field may be smaller or larger than it was found."""
     from rsegen.scanning.evidence import rows_may_follow
 
-    # First what may be no part of it, then what may be one more.
+    # Smaller, by things at its sides; then larger, by what is raised beyond rows, what is level, what was not seen.
     for side, (raised, cells) in scan.sparse_edges.items():
         yield (
             f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
@@ -289,6 +290,7 @@ def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
 
     if options.boundary is not None or options.size is not None or min(scan.levels.shape) < 3:
         return
+    # Blocks that may be a frame; a rim of one level is none if the blocks next to it are as high.
     if not scan.frame.any():
         inside = np.zeros([side - 2 for side in scan.levels.shape], dtype=bool)
         rim = np.unique(scan.levels[np.pad(inside, 1, constant_values=True) & scan.seen])
@@ -299,6 +301,7 @@ def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
                 "(--boundary outer or divided if the rim is a frame)"
             )
         return
+    # A frame that may be blocks.
     heights = np.where(scan.seen, scan.levels * scan.unit, np.nan)
     if share_as_high(heights, scan.frame, scan.frame_height, scan.unit) >= _DOUBTFUL:
         yield (

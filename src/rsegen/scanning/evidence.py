@@ -65,6 +65,7 @@ def bits_saved(scan: Scan) -> float:
     has_steps = np.concatenate(
         [along_x >= min(_OF_LINE, _OF_SHORT_LINE * n_y), along_y >= min(_OF_LINE, _OF_SHORT_LINE * n_x)]
     )
+    # A list names the place of each line with steps, along a side of half the lines; the grid asks yes or no of each.
     place = log2(_PLACES * len(has_steps) / 2)
     share = float(has_steps.mean())
     entropy = -sum(part * log2(part) for part in (share, 1 - share) if part)
@@ -161,6 +162,7 @@ def cells_per_block(scan: Scan) -> int:
     """Return how many cells of a scan a block is wide: 2 if steps are at every second line along x and along y."""
     steps = steps_by_line(scan)
     total = sum(int(own.sum()) for own in steps)
+    # Of the widths, wide ones first: the lines of the phase with most steps must have nearly all of them.
     for cells in range(min(map(len, steps)) // _FEWEST_WIDE, 1, -1):
         lines = [max((own[first::cells] for first in range(cells)), key=np.sum) for own in steps]
         between = total - sum(int(own.sum()) for own in lines)

@@ -68,6 +68,7 @@ def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple
         group = _largest_group(raised)
         i, j = np.nonzero(group)
         return (int(i.min()), int(j.min())), (int(np.ptp(i)) + 1, int(np.ptp(j)) + 1)
+    # With a margin of one shape on every side, so that the rectangle may stick out of what was seen.
     inside = _counts_within(np.pad(raised, [(cells, cells) for cells in shape]), shape)
     best = np.argwhere(inside == inside.max())
     middle = best[int(np.square(best - best.mean(axis=0)).sum(axis=1).argmin())] - shape
@@ -92,6 +93,7 @@ def floor_rows(reading: Reading, unit: float) -> tuple[int, int, int, int]:
         return 0, 0, 0, 0
     i, j = np.nonzero(raised)
     columns, rows = reading.seen[:, j.min() : j.max() + 1], reading.seen[i.min() : i.max() + 1]
+    # Rows outwards from the raised cells; the product of those that were seen ends at the first gap.
     next_to = columns[: i.min()][::-1], columns[i.max() + 1 :], rows[:, : j.min()].T[::-1], rows[:, j.max() + 1 :].T
     west, east, south, north = (int(np.cumprod(side.mean(axis=1) >= _FEW_SEEN).sum()) for side in next_to)
     return west, east, south, north

@@ -85,6 +85,7 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     scan, settings = _first_scan(near, middle, wanted)
     scan, settings = _with_side_up(near, middle, scan, settings)
     is_up_assumed = scan.is_up_assumed
+    # Levels show what a first reading cannot know; then the cloud is read once more with it.
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
     if wanted.block_width is None and wanted.blocks is not None:
@@ -149,6 +150,7 @@ def _first_scan(near: Array, middle: Array, settings: ScanSettings) -> tuple[Sca
         scan = _found_field(grid, settings)
     except ScanError as error:
         refused = error
+    # A size tells how wide blocks are whose sides do not: what is raised reaches from side to side.
     if settings.blocks and settings.block_width is None and (scan is None or bits_saved(scan) < FEWEST_BITS):
         for width in _widths_of_size(grid, settings):
             known = replace(settings, block_width=width)
@@ -248,6 +250,7 @@ def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
 
 def _scan_of_known_field(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
     """Return the known field in a cloud, on the floor, or else on a board that the cloud shows."""
+    # On a board no cell agrees, as all are too high; only a reading without the known field shows the board.
     try:
         return _known_field(_gridded(near, middle, settings, known), known)
     except ScanError:

@@ -105,6 +105,7 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
         return Cloud(np.empty((0, 3)))
     if wanted is not None:
         return _seen_along(wanted, mesh, directions, views)
+    # The axis first, by what is seen along it; then which way along it is up, by heights or walls below them.
     best = _upright(mesh, directions, views)
     direction, side = directions[best], views[best]
     other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY)
@@ -114,6 +115,7 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     view = _view(mesh, normals, areas, direction, _SPREAD)
     if known or view.lacks_floor:
         return Cloud(view.points(), direction, has_floor=not view.lacks_floor, is_up_assumed=not known)
+    # An open surface shows the same from both sides: how its faces are wound is kept for when the ground does not tell.
     along = areas * (normals @ direction)
     looks = float(along.sum() / np.abs(along).sum())
     facing = direction * np.sign(looks) if abs(looks) > _LOOKING else None
@@ -247,7 +249,7 @@ def _view(mesh: trimesh.Trimesh, normals: Array, areas: Array, up: Array, count:
     weights = areas * cosines
     points, faces = _spread(mesh, weights, count)
     rises = np.sqrt(np.maximum(1 - cosines**2, 0)) / np.maximum(cosines, 1e-6)
-    axes = np.stack([*np.linalg.svd(up[None])[2][1:], up])
+    axes = np.stack([*np.linalg.svd(up[None])[2][1:], up])  # any two directions across it, from its null space
     placed = axes @ points
     # A corner that is far away by mistake makes no raster without end.
     pixel = max(float(np.sqrt(_PER_PIXEL * weights.sum() / count)), float(np.ptp(placed[:2], axis=1).max()) / _FINEST)
@@ -311,6 +313,7 @@ def _has_floor(raster: _Raster, placed: Array, seen: Mask, bottom: float) -> boo
     above = heights[heights > low + _THICK * (high - low)]
     if len(above) and low - bottom > _AS_THICK * (np.quantile(above, _LOW) - low):
         return False
+    # Along every row and column of pixels: the ends are the rim, and pixels without points between them are holes.
     pixels = np.full(raster.shape[0] * raster.shape[1], np.nan)
     pixels[raster.keys[seen]] = heights
     lines = [line for lines in (pixels.reshape(raster.shape), pixels.reshape(raster.shape).T) for line in lines]

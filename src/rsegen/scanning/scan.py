@@ -163,6 +163,7 @@ class Transform:
     @classmethod
     def of(cls, ground: GroundFrame, grid: CloudGrid, reading: Reading, base: float) -> Transform:
         """Return the transform into the frame of a reading, cell (0, 0) at the origin; base: height of level 0 [m]."""
+        # Upright, then along the grid, then from the corner of its first cell.
         about_z = np.eye(3)
         about_z[:2, :2] = grid.rotation
         corner = grid.origin + np.array(reading.first) * grid.width

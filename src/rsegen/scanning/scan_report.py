@@ -29,6 +29,7 @@ def scan_content(scan: Scan, points: int, left_out: int = 0) -> dict[str, Any]:
     levels, confidence, residuals_m: of the blocks, [x][y], frames left out, null where a block was not seen; cells that
     are named have x and y of their block as recipes count them, none for a frame, and cell, in which frames count.
     """
+    # A block that was not seen is null in levels and 0 in confidence, which no block that was seen has.
     seen, residuals = scan.seen, np.abs(scan.errors[scan.seen])
     unsure = seen & (scan.confidence < SURE)
     return {

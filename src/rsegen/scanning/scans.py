@@ -172,7 +172,7 @@ def compare(
     options = options or ScanOptions()
     cloud, settings, _ = _cloud(stands, options)
     built, _ = _found(cloud, settings, field)
-    stretch = built.unit / built.measured_unit
+    stretch = built.unit / built.measured_unit  # heights in the map's unit, as blocks may all be a little lower
     comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
     return ComparedMap(comparison=comparison, scan=built, units=units)
 
@@ -197,6 +197,7 @@ def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, s
 
 def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> tuple[Scan, Array]:
     """Return the field in a cloud, and the points that it was read from: all, or those of one of the things in it."""
+    # The cloud as a whole first. If that shows no field for sure, the things in it, and of both what is the field.
     whole, apart, refused = None, None, ScanError("")
     try:
         whole = with_beside(_in_all(cloud, settings, known), cloud.points, settings, known)
@@ -210,6 +211,7 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
         apart = whole, cloud.points
     if not apart:
         raise refused
+    # Then it is read once more without what stands beside it, and refused if it may be a part, or may go on.
     scan, points = without_others(*apart, settings, known)
     if not whole:
         _refuse_part(scan)

@@ -136,6 +136,7 @@ def without_others(scan: Scan, points: Array, settings: ScanSettings, known: Ste
     placed = scan.placed(points)
     beside = (np.abs(placed[:, :2]) / scan.measured_width - np.array(scan.levels.shape) / 2).max(axis=1)
     is_low = placed[:, 2] < scan.measured_unit / 2
+    # All that is above the field, whatever its height, and of the rest only floor.
     own = (beside < _OVERHANG) | (is_low & (beside < _ROWS))
     if (~is_low & (beside > _OVERHANG)).mean() > _FEW_OTHERS:
         with suppress(ScanError):
@@ -154,6 +155,7 @@ def _raised_beside(scan: Scan, points: Array) -> int:
     """
     if scan.frame.any():
         return 0
+    # A histogram of levels for each cell around the field: most points of a top are at one level.
     rows = max(_FEWEST_AROUND, max(scan.levels.shape) // 2)
     shape = np.array(scan.levels.shape) + 2 * rows
     placed = scan.placed(points)
@@ -190,6 +192,7 @@ def _things(points: Array, up: Sequence[float] | None, eye: Array | None) -> Ite
 def _table(upright: Array) -> float:
     """Return the height from which points are on a table, or are of its top: the widest layer above the floor [m]."""
     width = _width(upright)
+    # Each slice of heights by the cells of the plan that it has points in, not by its points: near things have more.
     slices = np.floor(upright[:, 2] / (width / SLICES)).astype(np.int64)
     plan = np.floor(upright[:, :2] / (width / _CELLS[1])).astype(np.int64)
     taken = np.unique(np.column_stack([slices, plan])[slices > _LEAST_TABLE * SLICES], axis=0)
@@ -215,6 +218,7 @@ def _things_apart(points: Array, upright: Array, noise: float) -> Iterator[list[
         raised = _raised(place, is_above)
         labels = _labels(raised)
         sizes = np.bincount(labels[raised], minlength=labels.max() + 1)
+        # One large thing alone was looked at already, as the whole cloud.
         if np.count_nonzero(sizes) > 1 or 0 < sizes.max(initial=0) < _MOST_OF_PLAN * labels.size:
             largest = [label for label in np.argsort(-sizes, kind="stable")[:_MOST_THINGS].tolist() if sizes[label]]
             yield [points[_around(labels, label)[place[:, 0], place[:, 1]]] for label in largest]

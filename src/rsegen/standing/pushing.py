@@ -34,6 +34,10 @@ _DIRECTIONS = 8
 _ITERATIONS, _ZERO, _PIVOT, _ARTIFICIAL = 60, 1e-9, 1e-7, 1e3
 """Exchanges of the simplex algorithm at most; the cost and the pivot that count as zero; the cost of missing force."""
 
+_OF_CONE, _LEVEL = 0.97, 0.9995
+"""Share of the friction up to which a contact is within its cone: with 0.9 one of 5,400 poses is judged otherwise, with
+1 none. And the least cosine of level ground, 2 degrees, on which a part without friction stays."""
+
 SLIDING = -9.0
 """Surplus where no forces balance the weight: the robot slides, turns or tips by itself."""
 
@@ -74,12 +78,12 @@ def _of_runs(best: np.ufunc, values: Singles, of: Ints) -> Singles:
 
 def stands_easily(body: Body, settled: Settled) -> Mask:
     """Return which robots stand on three contacts of which each is driven and within its friction cone."""
-    # In the cone with some per cent to spare; a part without friction, as a caster, on level ground.
+    # Driven contacts within the cone; a part without friction, as a caster, on level ground.
     up = -np.einsum("nj,ncj->nc", settled.axes[:, 2], body.normals[settled.contacts])
     mu = np.array([part.mu for part in body.parts])[body.part[settled.contacts]]
     drives = body.drives[settled.contacts]
-    grips = drives & (up > 1 / np.hypot(1, 0.97 * mu))
-    glides = ~drives & (mu == 0) & (up > 0.9995)
+    grips = drives & (up > 1 / np.hypot(1, _OF_CONE * mu))
+    glides = ~drives & (mu == 0) & (up > _LEVEL)
     return np.asarray((settled.contacts >= 0).all(axis=1) & (grips | glides).all(axis=1) & grips.any(axis=1))
 
 

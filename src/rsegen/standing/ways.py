@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rsegen.field.stepfield import Array, StepField, make_read_only, read_only_copies
+from rsegen.params.numbers import counted
 from rsegen.standing.body import Body
 from rsegen.standing.careful_lanes import safely_passed
 from rsegen.standing.ground import PaddedGround
@@ -81,7 +82,7 @@ def events(way: Any) -> list[str]:
     for verb, at in (("drops", way.drops), ("slides", way.slips)):
         named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
         more = len(at) - _PLACES
-        others = f" and {more} other place{'s' if more > 1 else ''}" if more > 0 else ""
+        others = f" and {counted(more, 'other place')}" if more > 0 else ""
         if at:
             sentences.append(f"{verb} at {named} m{others}")
     return sentences

@@ -7,7 +7,7 @@ import random
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from rsegen.cli.parser import parser_of
+from rsegen.cli.command_line import parser_of
 from rsegen.params.capabilities import commands
 from tests.fuzz.case import Case, Content, Special
 from tests.fuzz.hostile import NUMBERS, TEXTS

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from hypothesis import example, given
 
 from rsegen import Peak, Recipe
+from rsegen.cli.command_line import parsed
 from rsegen.cli.flags import recipe_from
-from rsegen.cli.parser import parsed
 from rsegen.page.model.texts import command_line, python_code
 from tests.support.samples import FULL
 from tests.support.strategies import recipes

@@ -1,9 +1,10 @@
 /* The bar on top: the file, undo, tools, and what may be run; and the line of status below. */
 
-import { Button, Icon, Menu, NumberInput, Segmented, Select, hasUnreadable, undo } from "./controls";
+import { Button, Icon, Menu, NumberInput, Progress, Segmented, Select, hasUnreadable, undo } from "./controls";
 import { times } from "./exact";
 import type { DescribedCommand } from "./protocol";
-import { leaveFor, offer, Progress, titleOf } from "./run";
+import { leaveFor } from "./files";
+import { offer, titleOf } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
 import { manual } from "./server";

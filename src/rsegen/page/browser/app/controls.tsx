@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import type { ComponentChildren, JSX, TargetedFocusEvent, TargetedInputEvent, TargetedKeyboardEvent, TargetedToggleEvent } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { equal, shown, typed, typedList } from "./exact";
-import type { Json } from "./protocol";
+import type { Job, Json } from "./protocol";
 import { edit, newGesture } from "./state";
 
 /* Lines on a grid of 16 units. */
@@ -305,4 +305,9 @@ export function Select<T extends string>({ id, name, value, choices, onChange }:
       {choices.map(([choice, text, title]) => <option key={choice} value={choice} title={title}>{text}</option>)}
     </select>
   );
+}
+
+/* How far a run is; without an end, that it goes on. */
+export function Progress({ job }: { job: Job }) {
+  return <progress max={job.total ?? 1} value={job.total ? (job.done ?? 0) : undefined} aria-label={`Progress of ${job.command}`} />;
 }

@@ -5,10 +5,9 @@ import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
 import { play } from "./playback";
 import { Picture } from "./results";
-import { leaveFor } from "./run";
 import type { Calls, ListedFile, Listing } from "./protocol";
 import { SILENT, call, upload } from "./server";
-import { attempt, busy, dialog, hello, lost, playbacks, problem, reload, save, state } from "./state";
+import { attempt, busy, dialog, hello, lost, open, playbacks, problem, reload, save, state } from "./state";
 
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
 
@@ -25,6 +24,16 @@ async function drawExamples(): Promise<void> {
 async function openEntry({ path, kind }: ListedFile): Promise<void> {
   if (kind === "drive" && playbacks.value.length) return close(), play(path, true);
   await leaveFor(kind === "dataset" ? `${path}#0` : path);
+}
+
+/* Open another recipe, after a question if the one that is open would be left unsaved; false if it was not opened. */
+export async function leaveFor(what: string): Promise<boolean> {
+  if (state.value?.unsaved && !confirm(`${state.value.title} has unsaved changes. Discard them?`)) return false;
+  const opened = await open(what);
+  if (!opened) return false;
+  dialog.value = null;
+  if (opened.play) await play(opened.play);
+  return true;
 }
 
 export function Open() {

@@ -3,8 +3,8 @@
 import { signal } from "@preact/signals";
 import { Button } from "./controls";
 import { Form } from "./fields";
+import { leaveFor } from "./files";
 import type { Field, Json } from "./protocol";
-import { leaveFor } from "./run";
 import { dialog, edit, hello, index, problemAt, scene, showMap, state } from "./state";
 import { Difficulty } from "./results";
 

@@ -2,7 +2,8 @@
    trial, which is driven again and played when it is clicked. */
 
 import { useEffect, useState } from "preact/hooks";
-import { Progress, leaveFor } from "./run";
+import { Progress } from "./controls";
+import { leaveFor } from "./files";
 import type { Job, RatedCurve, RatedTrial, RatingSoFar } from "./protocol";
 import { call } from "./server";
 import { ask, attempt, jobs, list, newest } from "./state";

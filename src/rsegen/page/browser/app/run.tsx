@@ -1,13 +1,14 @@
 /* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
 
 import { useEffect, useId, useRef, useState } from "preact/hooks";
-import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
+import { Button, Icon, Labelled, Modal, Progress, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
+import { leaveFor } from "./files";
 import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData } from "./protocol";
 import { call, fileOf, Failed, manual } from "./server";
-import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state, told, unreadIn } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, list, playbacks, put, robot, state, told, unreadIn } from "./state";
 import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
 
@@ -126,10 +127,6 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
   );
 }
 
-export function Progress({ job }: { job: Job }) {
-  return <progress max={job.total ?? 1} value={job.total ? (job.done ?? 0) : undefined} aria-label={`Progress of ${job.command}`} />;
-}
-
 export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   const drives = job.files.filter((file) => file.kind === "drive");
   const depth = (file?: Job["files"][number]) => file?.path.split("/").length;
@@ -223,16 +220,6 @@ function ShowFolder({ path }: { path: string }) {
   };
   if (place) return <span class="shell"><code>{place}</code><Button icon="copy" class="quiet" title="Copy the path of the folder" onClick={() => void copy(place)} /></span>;
   return <button type="button" onClick={() => void look()}>Show in folder</button>;
-}
-
-/* Open another recipe, after a question if the one that is open would be left unsaved; false if it was not opened. */
-export async function leaveFor(what: string): Promise<boolean> {
-  if (state.value?.unsaved && !confirm(`${state.value.title} has unsaved changes. Discard them?`)) return false;
-  const opened = await open(what);
-  if (!opened) return false;
-  dialog.value = null;
-  if (opened.play) await play(opened.play);
-  return true;
 }
 
 async function download(file: { path: string; name: string }): Promise<void> {
