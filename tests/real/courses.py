@@ -36,7 +36,7 @@ class Course:
     def world(self, backend: str) -> str:
         """The world file for a simulator with these names of messages and plug-ins."""
         root = ElementTree.fromstring(self._text(backend))
-        add_systems(root.find("world") or root, backend)
+        add_systems(root if (world := root.find("world")) is None else world, backend)
         return ElementTree.tostring(root, encoding="unicode")
 
     def _text(self, backend: str) -> str:
