@@ -39,7 +39,7 @@ def sampled(terrain: StepFieldTerrain, points: Array) -> Array:
 def measured(terrain: StepFieldTerrain, points: Array) -> Array:
     """Heights at places as a task measures them (`_get_heights`): the lowest of a sample and the next on each axis."""
     scale = terrain.cfg.horizontal_scale
-    return np.min([sampled(terrain, points + ahead) for ahead in ((0, 0), (scale, 0), (0, scale))], axis=0)
+    return np.asarray(np.min([sampled(terrain, points + ahead) for ahead in ((0, 0), (scale, 0), (0, scale))], axis=0))
 
 
 def seen_from_above(vertices: Array, triangles: Any, points: Array) -> list[float]:
