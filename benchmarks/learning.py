@@ -120,24 +120,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
     if options.only:
-        return _measured_anew(options.only)
-    in_engines = [asdict(row) for row in engines.rows(_recipe(SIDE_IN_ENGINES))]
-    record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
+        record = _measured_anew(options.only)
+    else:
+        in_engines = [asdict(row) for row in engines.rows(_recipe(SIDE_IN_ENGINES))]
+        record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
     print("\n".join(table(record)))
     if not options.only_print:
         keep(record, FILE)
     return 0
 
 
-def _measured_anew(part: str) -> int:
-    """Measure some of the rows; the rest of the record stays. Exit code: 0."""
+def _measured_anew(part: str) -> dict[str, Any]:
+    """Return the record with some of the rows measured anew."""
     record, (anew, word) = record_in(FILE), PARTS[part]
     place = next((number for number, row in enumerate(record["rows"]) if word in row["work"]), len(record["rows"]))
     kept = [row for row in record["rows"] if word not in row["work"]]
     record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
     record["later"] = {**record.get("later", {}), part: machine()}
-    keep(record, FILE)
-    return 0
+    return record
 
 
 def rows() -> Iterator[Row]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
 import rsegen
 from benchmarks import engines, learning
+from benchmarks.figures import keep, record_in
 from rsegen import Random, Recipe
 
 RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Random(levels=5)])
@@ -45,3 +47,18 @@ def test_the_page_has_both_tables() -> None:
     assert "| a | 1 | 2 maps | b | 2 | 0.5 |" in lines
     assert "| MuJoCo 4 | boxes | 1,234 | 0.5 | 2 | 1,500 |" in lines
     assert "on: one." in lines[-1]
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_rows_that_are_measured_alone_are_kept_unless_they_are_to_be_printed_only(
+    is_kept: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = {"seconds": 1.0, "count": 2, "unit": "maps", "beside": "b", "beside_seconds": 2.0, "ratio": 0.5}
+    old, new = (learning.Row(work=work, **values) for work in ("`Ground.heights`, old", "`Ground.heights`, new"))  # type: ignore[arg-type]
+    file = tmp_path / "learning.json"
+    keep({"machine": "one", "rows": [asdict(old)], "engines": []}, file)
+    monkeypatch.setattr(learning, "FILE", file)
+    monkeypatch.setattr(learning, "PARTS", {"the ground": (lambda: iter([new]), "`Ground.heights`")})
+    assert learning.main(["--only", "the ground", *([] if is_kept else ["--only-print"])]) == 0
+    assert "`Ground.heights`, new" in capsys.readouterr().out
+    assert [row["work"] for row in record_in(file)["rows"]] == [new.work if is_kept else old.work]

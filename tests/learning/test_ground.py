@@ -253,6 +253,8 @@ def test_torch_and_jax_agree_with_numpy(name: str) -> None:
         assert np.asarray(found) == pytest.approx(expected, abs=1e-6)
     ground.write(library.asarray(LEVELS[:2]), worlds=[2, 0])
     assert np.array_equal(np.asarray(ground.levels)[[2, 0]], LEVELS[:2])
+    ground.write(library.asarray(LEVELS[3:]), worlds=library.asarray(np.array([2, 0], dtype=np.uint8)))
+    assert np.array_equal(np.asarray(ground.levels)[[2, 0]], LEVELS[3:])
 
 
 @pytest.mark.slow

@@ -29,12 +29,17 @@ def cfg(**other: Any) -> SimpleNamespace:
     return SimpleNamespace(**given | sizes | rest | other)
 
 
-def measured(terrain: StepFieldTerrain, points: Array) -> Array:
-    """Heights at places in the world, metres, as a task of legged_gym looks them up, but for its minimum with two
-    neighbours."""
+def sampled(terrain: StepFieldTerrain, points: Array) -> Array:
+    """Height of the sample at each place in the world, metres."""
     cells = ((points + terrain.cfg.border_size) / terrain.cfg.horizontal_scale).astype(int)
     found = terrain.heightsamples.reshape(terrain.tot_rows, terrain.tot_cols)[cells[:, 0], cells[:, 1]]
     return np.asarray(found * terrain.cfg.vertical_scale)
+
+
+def measured(terrain: StepFieldTerrain, points: Array) -> Array:
+    """Heights at places as a task measures them (`_get_heights`): the lowest of a sample and the next on each axis."""
+    scale = terrain.cfg.horizontal_scale
+    return np.asarray(np.min([sampled(terrain, points + ahead) for ahead in ((0, 0), (scale, 0), (0, scale))], axis=0))
 
 
 def seen_from_above(vertices: Array, triangles: Any, points: Array) -> list[float]:
@@ -57,18 +62,31 @@ def seen_from_above(vertices: Array, triangles: Any, points: Array) -> list[floa
 
 @pytest.mark.parametrize("surface", ["merged", "watertight"])
 @pytest.mark.parametrize("samples", [1, 3])
-def test_what_a_robot_measures_is_the_mesh_that_it_stands_on(surface: str, samples: int) -> None:
+def test_a_robot_measures_the_lowest_of_the_mesh_below_it_and_a_sample_ahead(surface: str, samples: int) -> None:
     terrain = partial(StepFieldTerrain, COURSE, samples=samples, surface=surface)(cfg(), 64)
-    extent = np.array(COURSE.field.extent)
-    points = np.random.default_rng(1).uniform([0, 0], extent, (400, 2)) - terrain.cfg.border_size
-    heights = measured(terrain, points)
-    assert np.ptp(heights) > 0.19
+    scale, extent = terrain.cfg.horizontal_scale, np.array(COURSE.field.extent)
+    points = np.random.default_rng(1).uniform([0, 0], extent - scale, (400, 2)) - terrain.cfg.border_size
 
     # Isaac Gym puts the mesh so far from the origin of the world.
-    corner = np.array([terrain.cfg.border_size, terrain.cfg.border_size, 0])
-    assert seen_from_above(terrain.vertices - corner, terrain.triangles, points) == pytest.approx(heights, abs=1e-5)
+    vertices = terrain.vertices - np.array([terrain.cfg.border_size, terrain.cfg.border_size, 0])
+    below, *ahead = (
+        seen_from_above(vertices, terrain.triangles, points + step) for step in ((0, 0), (scale, 0), (0, scale))
+    )
+    assert np.ptp(below) > 0.19
+    assert below == pytest.approx(sampled(terrain, points), abs=1e-5)
+    heights = measured(terrain, points)
+    assert heights == pytest.approx(np.min([below, *ahead], axis=0), abs=1e-5)
     assert terrain.vertices.dtype == np.float32
     assert terrain.triangles.dtype == np.uint32
+
+
+@pytest.mark.parametrize(("samples", "share"), [(1, 0.58), (10, 0.08)])
+def test_with_more_samples_a_robot_seldom_measures_a_lower_block_ahead(samples: int, share: float) -> None:
+    rubble = rsegen.Recipe(seed=7, chunk_size=20, unit_cm=5, boundary="none", obstacles=[rsegen.Random(levels=6)])
+    course = rsegen.Terrain(recipes=[rubble], rows=2, columns=3, difficulty=(1, 1), border=0)
+    terrain = StepFieldTerrain(course, cfg(), 64, samples=samples)
+    points = np.random.default_rng(1).uniform([0, 0], np.array(course.field.extent) - 0.1, (20_000, 2))
+    assert (measured(terrain, points) < sampled(terrain, points)).mean() == pytest.approx(share, abs=0.01)
 
 
 def test_robots_start_above_the_blocks_of_their_tile() -> None:
@@ -78,7 +96,7 @@ def test_robots_start_above_the_blocks_of_their_tile() -> None:
         x, y, z = terrain.env_origins[row, column]
         steps = np.linspace(-0.299, 0.299, 31)
         around = np.stack(np.meshgrid(x + steps, y + steps), axis=-1).reshape(-1, 2)
-        assert z == pytest.approx(measured(terrain, around).max())
+        assert z == pytest.approx(sampled(terrain, around).max())
     # The first tile's corner is the origin of the world, and robots of row 0 are on level ground.
     assert terrain.env_origins[0, 0] == pytest.approx([0.4, 0.4, 0.2])
     assert np.diff(terrain.env_origins[:, 0, 0]) == pytest.approx([0.9, 0.9])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rsegen import KINDS, Peak, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Levels
-from rsegen.params.sorts import ANYWHERE
+from rsegen.params.sorts import ANYWHERE, Cell
 from rsegen.params.streams import Streams
 from rsegen.recipe.batch import build_many, fill
 from tests.support.strategies import recipes
@@ -56,6 +56,16 @@ def test_every_kind_is_that_of_numpy(kind: str, changes: dict[str, Any]) -> None
 )
 def test_blocks_that_are_shuffled_placed_or_reordered_are_those_of_numpy(obstacle: Random) -> None:
     recipe = Recipe(seed=5, obstacles=[obstacle])
+    assert np.array_equal(_by_tensors(recipe), build_many(recipe, MAPS))
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.parametrize(("first", "last"), [((8, 7), (1, 2)), ((1, 7), (8, 2)), ((0, 1), (0, 0))])
+def test_a_mirrored_kind_is_that_of_numpy(kind: str, first: Cell, last: Cell) -> None:
+    if kind == "horizontal_barrier":
+        last = (first[0], last[1])
+    own = KINDS[kind](levels=3, first=first, last=last)
+    recipe = Recipe(seed=5, ground_level=2, obstacles=[own])
     assert np.array_equal(_by_tensors(recipe), build_many(recipe, MAPS))
 
 

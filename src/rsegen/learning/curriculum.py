@@ -44,8 +44,9 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
         Number of rows.
     length : float
         Length of a tile, metres.
-    rng : numpy.random.Generator, torch.Generator or key of jax
-        Draws rows; in a function that jax compiles a key, as numbers of numpy would be drawn only once.
+    rng : numpy.random.Generator, torch.Generator, key of jax, or None for torch's own
+        Draws rows; in a function that jax compiles a key, as numbers of numpy would be drawn only once; in
+        `torch.compile(fullgraph=True)` None, as its compiler takes no Generator.
 
     Returns
     -------

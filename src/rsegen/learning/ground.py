@@ -330,7 +330,7 @@ class Ground:
         turn = np.pi / 2 if wide[0] == wide[1] else np.pi
         turns = rng.integers(round(2 * np.pi / turn), size=(*many, count))
         yaw = array_like(low, turns * turn, chance.dtype)
-        return library.stack([x + 0 * yaw, y + 0 * yaw, z + float(self.position[2]), yaw], -1)
+        return library.stack([x, y, z + float(self.position[2]), yaw], -1)
 
     def field(self, world: int = 0) -> StepField:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
@@ -415,8 +415,7 @@ class Ground:
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
         if library is np and len(rows) and not 0 <= rows.min() <= rows.max() < self.worlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
-        rows = self._here(rows)
-        return rows if is_whole(rows) else self._index(rows)  # an empty list is one of floats
+        return self._index(self._here(rows))  # bytes are a mask for torch, and an empty list is one of floats
 
     def _library_of(self, where: str, given: Any) -> tuple[Any, Any]:
         """Return the library of an array, and the array; arrays of the class of the levels need no look-up."""

@@ -7,8 +7,10 @@
     legged_robot.Terrain = partial(StepFieldTerrain, rsegen.Terrain(recipes=[rubble, ridge], border=50))
 
 A task is made and trained as before, with `mesh_type = "trimesh"`. Isaac Gym gets the mesh of the blocks, whose sides
-are vertical, and the task the same heights as whole units, so what a robot measures is what it stands on. Rows,
-columns, scales, the border and friction are those of the terrain: they are written into the task's `cfg.terrain`.
+are vertical, and the task the same heights as whole units. legged_gym measures the lowest of a sample and the next ones
+along x and y (`_get_heights`), so up to a sample before a lower block a robot measures that one: with one sample for
+each block often, with more `samples` seldom. Rows, columns, scales, the border and friction are those of the terrain:
+they are written into the task's `cfg.terrain`.
 """
 
 from __future__ import annotations

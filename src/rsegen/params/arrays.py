@@ -65,9 +65,13 @@ def arange(count: int, like: Any) -> Any:
 
 
 def asarray(values: Any, like: Any) -> Any:
-    """Return an array of numpy, where the array `like` is."""
+    """Return an array of numpy, or a tensor, where the array `like` is."""
     xp = namespace(like)
-    return values if xp is np else xp.as_tensor(values, device=like.device)
+    if xp is np:
+        return values
+    if isinstance(values, np.ndarray) and min(values.strides, default=0) < 0:
+        values = values.copy()  # a mirrored view, which torch cannot take
+    return xp.as_tensor(values, device=like.device)
 
 
 def as_numpy(values: Any) -> Any:
