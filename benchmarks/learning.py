@@ -132,7 +132,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _measured_anew(part: str) -> dict[str, Any]:
     """Return the record with some of the rows measured anew."""
-    record, (anew, word) = record_in(FILE), PARTS[part]
+    record: dict[str, Any] = record_in(FILE)
+    anew, word = PARTS[part]
     place = next((number for number, row in enumerate(record["rows"]) if word in row["work"]), len(record["rows"]))
     kept = [row for row in record["rows"] if word not in row["work"]]
     record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
