@@ -114,7 +114,8 @@ def test_the_ground_follows_the_blocks(compiled: Any, worlds: Any) -> None:
     assert blocks.ground.lift(bottoms) == pytest.approx(0, abs=1e-9)
 
 
-def test_tensors_are_written_as_arrays_are(worlds: Any) -> None:
+@pytest.mark.parametrize("kind", ["int64", "uint8"])
+def test_tensors_are_written_as_arrays_are(worlds: Any, kind: str) -> None:
     torch = pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
     model, data, blocks = worlds
     arrays = [model.geom_pos, data.geom_xpos, model.geom_size, model.geom_rgba, model.geom_friction]
@@ -124,7 +125,7 @@ def test_tensors_are_written_as_arrays_are(worlds: Any) -> None:
     assert np.allclose(expected[0][:, :32], GRID.pos(levels), atol=1e-6)
     blocks.write(levels[::-1].copy())
     assert not np.allclose(arrays[0].numpy(), expected[0], atol=1e-6)
-    blocks.write(torch.as_tensor(levels), torch.arange(WORLDS))
+    blocks.write(torch.as_tensor(levels), torch.arange(WORLDS, dtype=getattr(torch, kind)))
     for array, values in zip(arrays, expected, strict=True):
         assert np.allclose(array.numpy(), values, atol=1e-6)
 

@@ -70,6 +70,7 @@ class BlocksOfWorlds:
         Levels are clipped to the levels of the recipe, as in a Ground: a check would wait for the device.
         """
         grid, rows = self.grid, slice(None) if worlds is None else worlds
+        rows = rows.long() if hasattr(rows, "long") else rows  # bytes are a mask for torch
         expected = (self.worlds if worlds is None else len(worlds), *grid.shape)
         if tuple(levels.shape) != expected or not is_whole(levels):
             problem = f"{levels.dtype} of shape {tuple(levels.shape)}"
