@@ -23,18 +23,29 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.evidence import rows_may_follow
-from rsegen.scanning.finding import find_field
+from rsegen.scanning.finding import find_field, usable
+from rsegen.scanning.ground import seen_from_above
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
-from rsegen.scanning.surroundings import find_field_apart, is_doubtful, may_be_part, with_beside, without_others
+from rsegen.scanning.surroundings import (
+    find_field_apart,
+    is_doubtful,
+    may_be_field,
+    may_be_part,
+    with_beside,
+    without_others,
+)
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
 
 _AS_WIDE = 0.03
 """Share by which blocks of one width may differ as they are measured."""
+
+_MOST_SEEN = 0.95
+"""Share of the points that are seen from above from which on looking at these alone is in vain."""
 
 _MOST_UNSEEN = 0.5
 """Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
@@ -210,7 +221,8 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
     if whole and (not apart or _is_of_whole(apart[0], whole)):
         apart = whole, cloud.points
     if not apart:
-        raise refused
+        whole = with_beside(_from_above(cloud.points, settings, known, refused), cloud.points, settings, known)
+        apart = whole, cloud.points
     # Then it is read once more without what stands beside it, and refused if it may be a part, or may go on.
     scan, points = without_others(*apart, settings, known)
     if not whole:
@@ -242,6 +254,26 @@ def _in_all(cloud: Cloud, settings: ScanSettings, known: StepField | None) -> Sc
         with suppress(ScanError):
             return find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
         raise
+
+
+def _from_above(points: Array, settings: ScanSettings, known: StepField | None, refused: ScanError) -> Scan:
+    """Return the field in what is seen of a cloud from above; else raise what the search in all of it was refused with.
+
+    That it is another map than the known one says more. Without the points of sides other things look like blocks too,
+    so what is found has to show blocks: a carton does not if somebody says how wide they are.
+    """
+    near, middle = usable(points)
+    eye = None if settings.eye is None else np.asarray(settings.eye) - middle
+    above = seen_from_above(near, settings.up, eye)
+    if len(above) < _MOST_SEEN * len(near):
+        try:
+            scan = find_field(above + middle, settings, known)
+        except ScanError as error:
+            refused = error if known else refused
+        else:
+            if may_be_field(scan, settings, known):
+                return scan
+    raise refused
 
 
 def _refuse_unended(scan: Scan, cloud: Cloud) -> None:

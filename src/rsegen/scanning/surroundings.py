@@ -96,7 +96,7 @@ def find_field_apart(points: Array, settings: ScanSettings, known: StepField | N
         for thing in things:
             with suppress(ScanError):
                 found = find_field(thing + middle, settings, known)
-                if found.has_floor and _may_be_field(found, settings, known):
+                if found.has_floor and may_be_field(found, settings, known):
                     fields.append((found, thing + middle))
         if certain := [field for field in fields if known or _shows_blocks(field[0])]:
             return max(certain, key=_bits)
@@ -108,7 +108,7 @@ def _shows_blocks(scan: Scan) -> bool:
     return stepped_lines(scan).confidence >= CERTAIN
 
 
-def _may_be_field(scan: Scan, settings: ScanSettings, known: StepField | None) -> bool:
+def may_be_field(scan: Scan, settings: ScanSettings, known: StepField | None) -> bool:
     """Return whether a thing may be the field: who says how wide its blocks are does not say that a carton is it."""
     return known is not None or (bits_saved(scan) >= FEWEST_BITS and not is_doubtful(scan, settings, known))
 
