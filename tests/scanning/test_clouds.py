@@ -271,14 +271,14 @@ def test_points_may_have_an_axis_more(shape: tuple[int, ...], tmp_path: Path) ->
 @pytest.mark.parametrize("name", ["depth.png", "depth.tif", "depth.npy", "with_a_channel.npy"])
 def test_a_depth_image_is_seen_through_its_camera(name: str, tmp_path: Path) -> None:
     depth = depths().astype(np.uint16)
-    depth[0, 0] = 0  # a hole
+    depth[0, 0], depth[-1, -1] = 0, 65535  # holes
     if name.endswith("npy"):
         np.save(tmp_path / name, depth[..., None] if name.startswith("with") else depth)
     else:
         Image.fromarray(depth).save(tmp_path / name)
     found = read_clouds([tmp_path / name], intrinsics=(4.0, 5.0, 3.5, 2.5)).points
-    v, u = np.indices(depth.shape).reshape(2, -1)[:, 1:]
-    z = depth.reshape(-1)[1:] / 1000
+    v, u = np.indices(depth.shape).reshape(2, -1)[:, 1:-1]
+    z = depth.reshape(-1)[1:-1] / 1000
     assert np.allclose(found, np.column_stack([(u - 3.5) / 4 * z, (v - 2.5) / 5 * z, z]))
 
 
@@ -409,6 +409,26 @@ def test_a_depth_image_wants_its_camera_and_points_want_none(tmp_path: Path) -> 
         read_clouds([tmp_path / "depth.npy"], intrinsics=(0, 1, 1, 1))
     with pytest.raises(ParameterError, match="has points, not the depths"):
         read_clouds([tmp_path / "points.xyz"], intrinsics=(1, 1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("intrinsics", "is_doubtful"),
+    [
+        ((600, 600, 319.5, 239.5), False),
+        ((615, 610, 332, 228), False),
+        ((900, 900, 639.5, 359.5), True),  # of an image of 1280 x 720
+        ((300, 300, 159.5, 119.5), True),
+        ((600, 600, 239.5, 319.5), True),  # of an image upright
+        ((600, 319.5, 600, 239.5), True),  # as a matrix has them
+    ],
+)
+def test_intrinsics_of_another_image_are_doubtful(
+    intrinsics: tuple[float, ...], *, is_doubtful: bool, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "depth.npy", np.ones((480, 640)))
+    said = ",".join(f"{number:g}" for number in intrinsics)
+    wanted = f"intrinsics {said} are perhaps of another image than one of 640 x 480 pixels"
+    assert read_clouds([tmp_path / "depth.npy"], intrinsics=intrinsics).doubt == wanted * is_doubtful
 
 
 def test_too_many_points_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

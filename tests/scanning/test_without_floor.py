@@ -118,6 +118,23 @@ def test_a_known_field_tells_where_level_0_is(boundary: str, lowest: int) -> Non
 
 
 @pytest.mark.slow
+def test_a_known_field_tells_which_side_is_up() -> None:
+    """Its highest level has the most blocks, and looks like the ground."""
+    field = field_of(np.minimum(random_levels(5, 8, 8), 4))
+    upside_down = tops(field) * (1, -1, -1)
+    for points in (tops(field), tilted(tops(field)), upside_down):
+        assert is_that(find_field(points, known=field), field)
+
+
+@pytest.mark.slow
+def test_few_cells_that_agree_by_chance_are_no_known_field() -> None:
+    field, points = field_of(random_levels(5, 10, 5)), tops(field_of(random_levels(7, 10, 5)))
+    corner = points[(points[:, :2] < points[:, :2].min(axis=0) + 0.3).all(axis=1)]
+    with pytest.raises(ScanError, match="cells of the map were seen, too few to tell it from others; at least 30 are"):
+        find_field(corner, ScanSettings(up=(0, 0, 1)), field)
+
+
+@pytest.mark.slow
 def test_a_cloud_under_whose_field_its_sensor_would_be_is_refused() -> None:
     """A camera that looks down along z has the field in front of it, at z above 0."""
     points = tops(field_of(random_levels(5, 8, 4))) - [3, 0, 0]

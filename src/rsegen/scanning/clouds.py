@@ -1,8 +1,6 @@
 """Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, LAS, LAZ, E57, bags of ROS, and depth images.
 
-All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
-
-    x = (u - cx) z / fx,   y = (v - cy) z / fy,   z        (pinhole camera; x right, y down, z away from it)
+All become points (n, 3) in metres, in the frame of the file.
 
 Nothing in a file is trusted: its size and number of points are bounded before it is read, and what a library says of a
 file that it cannot read becomes a FileError.
@@ -33,6 +31,7 @@ from rsegen.npy_files import mapped
 from rsegen.params.extras import read_with
 from rsegen.params.sorts import CENTIMETRES
 from rsegen.scanning import BAG, E57, SCAN
+from rsegen.scanning.depth_images import Intrinsics, doubt_of_camera, points_of_depth
 from rsegen.scanning.meshes import Cloud, seen_from_above
 from rsegen.scanning.recordings import bag_points, e57_points
 from rsegen.scanning.scan_options import CLOUDS
@@ -100,9 +99,6 @@ least: no depth image is so narrow."""
 _NO_UNIT = ""
 """Unit of depths of 8 bits: up to 255 mm no camera measures, so they are in another unit, or shades for the eye."""
 
-Intrinsics = Sequence[float]
-"""Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
-
 
 def is_cloud(path: Path) -> bool:
     """Return whether a file is a point cloud, by its name."""
@@ -132,15 +128,16 @@ def read_clouds(
     """
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
         read = [_read(path, values, intrinsics, topic) for path in paths]
-        meshes = [part for part in read if not isinstance(part, np.ndarray)]
-        clouds = [Cloud(part) for part in read if isinstance(part, np.ndarray)]
+        meshes = [part for part in read if not isinstance(part, Cloud)]
+        clouds = [part for part in read if isinstance(part, Cloud)]
         if meshes:
             clouds.append(_of_meshes(paths, meshes, up))
-    return clouds[-1]._replace(points=np.concatenate([cloud.points for cloud in clouds]))
+    doubt = next((cloud.doubt for cloud in clouds if cloud.doubt), "")
+    return clouds[-1]._replace(points=np.concatenate([cloud.points for cloud in clouds]), doubt=doubt)
 
 
-def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: str | None) -> Array | trimesh.Trimesh:
-    """Return the points (n, 3) of a file, or its mesh, metres."""
+def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: str | None) -> Cloud | trimesh.Trimesh:
+    """Return the points of a file, or its mesh, metres."""
     if not is_cloud(path):
         raise FileError(f"{path}: {_instead(path)}")
     form = CLOUDS[path.suffix.lower()]
@@ -157,10 +154,11 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, topic: 
         numbers.apply_scale(metres)
         return numbers
     if form == "image" or (numbers.ndim == 2 and numbers.shape[1] != 3):
-        return _of_depth(path, numbers, intrinsics) * metres
+        points = points_of_depth(path, numbers, intrinsics) * metres
+        return Cloud(points, doubt=doubt_of_camera(intrinsics or (), numbers.shape))
     if intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
-    return np.asarray(numbers.reshape(-1, 3), dtype=np.float64) * metres
+    return Cloud(np.asarray(numbers.reshape(-1, 3), dtype=np.float64) * metres)
 
 
 def _instead(path: Path) -> str:
@@ -196,20 +194,6 @@ def _axis_up(path: Path) -> str | None:
         named = _COLLADA_UP.search(text_of(path, MAX_MESH_MIB, "a mesh"))
         return named[1].lower() if named else "y"
     return "y" if path.suffix.lower() in (".glb", ".gltf") else None
-
-
-def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
-    """Return the points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
-    if intrinsics is None:
-        raise ParameterError("intrinsics", f"{path} is a depth image; pass fx,fy,cx,cy of its camera in pixels")
-    fx, fy, cx, cy = intrinsics
-    if fx <= 0 or fy <= 0:
-        raise ParameterError("intrinsics", f"fx {fx:g} and fy {fy:g} have to be above 0")
-    v, u = np.indices(depth.shape)
-    z = depth.astype(np.float64)
-    z[~np.isfinite(z) | (z <= 0)] = np.nan
-    points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], axis=-1).reshape(-1, 3)
-    return np.asarray(points[np.isfinite(points[:, 2])])
 
 
 def _array(path: Path) -> tuple[Array, str]:

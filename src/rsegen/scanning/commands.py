@@ -133,6 +133,8 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     if scanned.left_out:
         all_points = len(scanned.points) + scanned.left_out
         yield f"left out: {scanned.left_out:,} of {all_points:,} points, of other things than the field on its floor"
+    if scanned.doubt:
+        yield f"warning: {scanned.doubt}"
     yield from _other_axis(scanned, options)
     yield from _side(scan)
     # Then what was assumed and what is doubtful, each with the flag that settles it.
@@ -396,6 +398,7 @@ def run_compare(arguments: argparse.Namespace) -> Report:
             "MAP", f"only {wanted} was passed; pass a scan or a map, and then the map that should stand"
         )
     picture = picture_of(arguments.output, force=arguments.force)
+    # The map that should stand is one of a recipe or a folder, as commands take it, though it is named last here.
     arguments.target = wanted
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
@@ -405,6 +408,7 @@ def run_compare(arguments: argparse.Namespace) -> Report:
     comparison = compared.comparison
     lines = [cell_counts(comparison), *_lines(comparison, lengths_in(recipe.units))]
     notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
+    notes += [f"warning: {compared.doubt}"] if compared.doubt else []
     return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
 
 

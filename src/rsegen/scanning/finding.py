@@ -17,6 +17,7 @@ modules before it. Where nothing else is said, the result stays the same. Other 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ import numpy as np
 from rsegen.errors import ScanError
 from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.params.sorts import CENTIMETRES, Cell
+from rsegen.params.sorts import Cell
 from rsegen.scanning.evidence import FEWEST_BITS, MOST_MIXED, bits_saved, cells_per_block, mixed_share, times_narrower
 from rsegen.scanning.extent import (
     FLOOR_ROWS,
@@ -41,27 +42,21 @@ from rsegen.scanning.extent import (
     with_open_rows,
 )
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
-from rsegen.scanning.ground import GroundFrame, level_frame, plan_width, sample
+from rsegen.scanning.ground import GroundFrame, level_frame, plan_width, sample, usable
 from rsegen.scanning.levels import Reading, board_below, find_unit, levelled, read_cells, units_per_level
 from rsegen.scanning.lumber import sold_length
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
 
-_FEWEST_POINTS = 500
-"""Points of a cloud, at the least: five, which a height needs (levels.py), for each of 10 x 10 cells."""
-
 _FEWEST_TOPS = 100
 """Raised flat pixels from which the unit is read; from fewer, as in a sparse cloud, all pixels are better."""
-
-_SMALLEST = 0.05
-_LARGEST = 200.0
-"""Widths of a cloud in metres: others are in another unit, as centimetres taken for metres are 100 times as wide."""
-
-_COARSE = 0.01
-"""Metres to which places may be rounded: a tenth of a block of 10 cm, as numbers of 32 bits are 130 km away."""
 
 _LEAST_AGREEING = 0.6
 """Share of the cells of a known field that must agree: two fields of five levels agree in a third of their blocks by
 chance, at the best place, and in all cells of equal frames: together in half of 12 x 12 cells."""
+
+_FEWEST_SEEN = 30
+"""Cells of a known field that must be seen, or half of a smaller one: 6 of 10 agree with any map at one of the places
+and turns that are tried, 18 of 30 with two of a hundred maps, if a quarter of the cells agree by chance."""
 
 _MOST_OUTSIDE = 0.1
 """Share of the raised cells that may be outside a field of a given size: things that stand next to it."""
@@ -249,6 +244,19 @@ def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
 
 
 def _scan_of_known_field(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
+    """Return the known field in a cloud, also in one that looks upside down, as no floor tells which side is up."""
+    try:
+        return _on_floor_or_board(near, middle, settings, known)
+    except ScanError:
+        if settings.up is not None or settings.eye is not None:
+            raise
+        x, y, z = (-level_frame(near).rotation[2]).tolist()
+        with suppress(ScanError):
+            return _on_floor_or_board(near, middle, replace(settings, up=(x, y, z)), known)
+        raise
+
+
+def _on_floor_or_board(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
     """Return the known field in a cloud, on the floor, or else on a board that the cloud shows."""
     # On a board no cell agrees, as all are too high; only a reading without the known field shows the board.
     try:
@@ -357,38 +365,6 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     return gridded.raised(units_below(reading, unit) * unit)
 
 
-def usable(points: Array) -> tuple[Array, Array]:
-    """Return the points without far outliers, about their middle, and it, (3,); a ScanError if they are too few."""
-    points = np.asarray(points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
-    # Some programs write zeros for a point that was not measured, as others write nan.
-    points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)]
-    if len(points) < _FEWEST_POINTS:
-        raise ScanError(f"too few points for a field: {len(points):,}; at least {_FEWEST_POINTS} are needed")
-    # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
-    low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
-    extent = float((high - low).max())
-    if not _SMALLEST < extent < _LARGEST:
-        raise ScanError(
-            f"the cloud is {extent:{',.0f' if extent > 1 else '.3g'}} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set "
-            f"the unit of its numbers ({', '.join(CENTIMETRES)}) with values, or cut all but the field out of it"
-        )
-    _refuse_coarse(points, float(np.abs([low, high]).max()))
-    near = ((points > low - extent) & (points < high + extent)).all(axis=1)
-    return points[near] - (low + high) / 2, (low + high) / 2
-
-
-def _refuse_coarse(points: Array, farthest: float) -> None:
-    """Raise a ScanError if places as far from the origin as those of maps were written in numbers of 32 bits."""
-    apart = float(np.spacing(np.float32(farthest)))
-    if apart > _COARSE and (points.astype(np.float32) == points).all():
-        raise ScanError(
-            f"the points are {farthest:,.0f} m from the origin, where numbers of 32 bits are {apart:.2g} m apart; "
-            "write them in 64 bits, or subtract the place of one of them from all"
-        )
-
-
 def _unit_and_grid(
     upright: Array, ground: GroundFrame, unit: float | None, width: float | None
 ) -> tuple[float, CloudGrid, float]:
@@ -485,7 +461,11 @@ def _known_field(grid: _Gridded, known: StepField) -> Scan:
         raised = grid.raised(lowest)
         other = best_fit(raised.reading, known.heights * stretch, grid.unit / 2)
         grid, fit = (raised, other) if other.agree > fit.agree else (grid, fit)
-    if fit.agree < _LEAST_AGREEING * max(fit.seen, 1):
+    if fit.seen < (fewest := min(_FEWEST_SEEN, known.levels.size / 2)):
+        raise ScanError(
+            f"{fit.seen} cells of the map were seen, too few to tell it from others; at least {fewest:.0f} are needed"
+        )
+    if fit.agree < _LEAST_AGREEING * fit.seen:
         raise ScanError(
             f"the scan shows another map: at the best place {fit.agree} of the {fit.seen} cells that were seen agree"
         )

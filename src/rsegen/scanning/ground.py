@@ -28,6 +28,17 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.params.sorts import CENTIMETRES
+
+_FEWEST_POINTS = 500
+"""Points of a cloud, at the least: five, which a height needs (levels.py), for each of 10 x 10 cells."""
+
+_SMALLEST = 0.05
+_LARGEST = 200.0
+"""Widths of a cloud in metres: others are in another unit, as centimetres taken for metres are 100 times as wide."""
+
+_COARSE = 0.01
+"""Metres to which places may be rounded: a tenth of a block of 10 cm, as numbers of 32 bits are 130 km away."""
 
 MOST_POINTS = 200_000
 """Points of a cloud that the searches use: 2,000 per cell of 10 x 10; the levels are read from all points."""
@@ -85,6 +96,38 @@ def sample(points: Array, most: int = MOST_POINTS) -> Array:
         step += 2
     chosen: Ints = np.arange(most, dtype=np.int64) * step % len(points)
     return points[chosen]
+
+
+def usable(points: Array) -> tuple[Array, Array]:
+    """Return the points without far outliers, about their middle, and it, (3,); a ScanError if they are too few."""
+    points = np.asarray(points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
+    # Some programs write zeros for a point that was not measured, as others write nan.
+    points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)]
+    if len(points) < _FEWEST_POINTS:
+        raise ScanError(f"too few points for a field: {len(points):,}; at least {_FEWEST_POINTS} are needed")
+    # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
+    low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
+    extent = float((high - low).max())
+    if not _SMALLEST < extent < _LARGEST:
+        raise ScanError(
+            f"the cloud is {extent:{',.0f' if extent > 1 else '.3g'}} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set "
+            f"the unit of its numbers ({', '.join(CENTIMETRES)}) with values, or cut all but the field out of it"
+        )
+    _refuse_coarse(points, float(np.abs([low, high]).max()))
+    near = ((points > low - extent) & (points < high + extent)).all(axis=1)
+    return points[near] - (low + high) / 2, (low + high) / 2
+
+
+def _refuse_coarse(points: Array, farthest: float) -> None:
+    """Raise a ScanError if places as far from the origin as those of maps were written in numbers of 32 bits."""
+    apart = float(np.spacing(np.float32(farthest)))
+    if apart > _COARSE and (points.astype(np.float32) == points).all():
+        raise ScanError(
+            f"the points are {farthest:,.0f} m from the origin, where numbers of 32 bits are {apart:.2g} m apart; "
+            "write them in 64 bits, or subtract the place of one of them from all"
+        )
 
 
 def plan_width(upright: Array) -> float:

@@ -78,6 +78,7 @@ class Cloud(NamedTuple):
     clearer: the direction (3,) from which more of a mesh, or of its heights, is seen than from the one given as up
     has_floor: False if it is a mesh that has no floor, so that blocks at level 0 are not in it
     is_up_assumed: whether up is that of the file, as both sides of the mesh look alike
+    doubt: why the camera of a depth image is perhaps another one than was said; empty if nothing speaks against it
     """
 
     points: Array
@@ -86,6 +87,7 @@ class Cloud(NamedTuple):
     clearer: Array | None = None
     has_floor: bool = True
     is_up_assumed: bool = False
+    doubt: str = ""
 
 
 def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:

@@ -23,8 +23,8 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.evidence import rows_may_follow
-from rsegen.scanning.finding import find_field, usable
-from rsegen.scanning.ground import seen_from_above
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.ground import seen_from_above, usable
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
@@ -67,6 +67,8 @@ class ScannedMap:
         Number of other points: of things that stand apart from the field.
     clearer_up : str or None
         The axis from which more of a mesh, or of its heights, is seen than from the one that was given as up.
+    doubt : str
+        Why the intrinsics are perhaps those of another image; empty if nothing speaks against them.
     """
 
     scan: Scan
@@ -74,6 +76,7 @@ class ScannedMap:
     points: Array
     left_out: int = 0
     clearer_up: str | None = None
+    doubt: str = ""
 
     @cached_property
     def field(self) -> StepField:
@@ -100,11 +103,14 @@ class ComparedMap:
         The field as it was found, if a cloud was compared.
     units : {'cm', 'in'}
         Lengths in the picture, as in recipes: those of the map.
+    doubt : str
+        Why the intrinsics are perhaps those of another image; empty if nothing speaks against them.
     """
 
     comparison: Comparison
     scan: Scan | None = None
     units: str = "cm"
+    doubt: str = ""
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
         """Return the plan with every block that is wrong, for mending the real field."""
@@ -145,6 +151,7 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
         points=points,
         left_out=len(cloud.points) - len(points),
         clearer_up=None if cloud.clearer is None else _axis(cloud.clearer),
+        doubt=cloud.doubt,
     )
 
 
@@ -185,7 +192,7 @@ def compare(
     built, _ = _found(cloud, settings, field)
     stretch = built.unit / built.measured_unit  # heights in the map's unit, as blocks may all be a little lower
     comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
-    return ComparedMap(comparison=comparison, scan=built, units=units)
+    return ComparedMap(comparison=comparison, scan=built, units=units, doubt=cloud.doubt)
 
 
 def _field(shown: Recipe | StepField) -> StepField:
@@ -221,6 +228,7 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
     if whole and (not apart or _is_of_whole(apart[0], whole)):
         apart = whole, cloud.points
     if not apart:
+        refused = ScanError(f"{refused}; {cloud.doubt}") if cloud.doubt else refused
         whole = with_beside(_from_above(cloud.points, settings, known, refused), cloud.points, settings, known)
         apart = whole, cloud.points
     # Then it is read once more without what stands beside it, and refused if it may be a part, or may go on.

@@ -25,8 +25,8 @@ from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.scanning.evidence import CERTAIN, FEWEST_BITS, bits_saved, stepped_lines
 from rsegen.scanning.extent import FLOOR_ROWS, NEIGHBOURS
-from rsegen.scanning.finding import find_field, usable
-from rsegen.scanning.ground import SLICES, level_frame, plan_width, sample
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.ground import SLICES, level_frame, plan_width, sample, usable
 from rsegen.scanning.scan import Scan, ScanSettings
 
 _CELLS = (12, 25, 50, 100)
