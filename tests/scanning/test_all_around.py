@@ -11,7 +11,7 @@ from rsegen import Matrix, Random, Recipe, StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.ground import seen_from_above
+from rsegen.scanning.ground import without_sides
 
 DENSE = 40_000
 """Points per square metre: 400 on a block of 10 cm."""
@@ -45,6 +45,8 @@ def test_all_blocks_are_right(noise: float, unit_cm: float) -> None:
         find_field(points)  # sides hide the grid
     scan = rsegen.scan(points).scan
     assert scan.seen.all()
+    assert scan.block_width == 0.1
+    assert scan.measured_width == pytest.approx(0.1, rel=0.003)
     assert any(np.array_equal(np.rot90(scan.levels, turns), field.levels) for turns in range(4))
 
 
@@ -65,13 +67,11 @@ def test_another_field_is_told_apart() -> None:
         rsegen.compare(all_around(field_of(5), 0.0), field_of(6))
 
 
-def test_what_is_below_a_point_is_not_seen_from_above() -> None:
+def test_points_of_sides_are_left_out_and_those_of_tops_are_not() -> None:
     rng = np.random.default_rng(2)
-    ground = np.column_stack([rng.random((20_000, 2)), np.zeros(20_000)])
+    ground = np.column_stack([rng.random((40_000, 2)), np.zeros(40_000)])
     top = np.column_stack([0.3 + 0.4 * rng.random((20_000, 2)), np.full(20_000, 0.2)])
-    side = np.column_stack([np.full(9_000, 0.3), 0.3 + 0.4 * rng.random(9_000), 0.19 * rng.random(9_000)])
-    above = seen_from_above(np.concatenate([ground, top, side]))
-    assert len(above) > 20_000 + 0.8 * 0.84 * 20_000
-    assert ((above[:, 2] > 0.01) & (above[:, 2] < 0.19)).sum() < 0.1 * len(side)
-    under = (above[:, 2] < 0.01) & (np.abs(above[:, :2] - 0.5) < 0.19).all(axis=1)
-    assert under.sum() < 0.3 * 0.16 * 20_000
+    side = np.column_stack([np.full(9_000, 0.3), 0.3 + 0.4 * rng.random(9_000), 0.01 + 0.18 * rng.random(9_000)])
+    left = without_sides(np.concatenate([ground, top, side]))
+    assert np.array_equal(left[: len(ground) + len(top)], np.concatenate([ground, top]))
+    assert len(left) - len(ground) - len(top) < 0.05 * len(side)

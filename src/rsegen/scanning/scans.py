@@ -24,7 +24,7 @@ from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.evidence import rows_may_follow
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.ground import seen_from_above, usable
+from rsegen.scanning.ground import usable, without_sides
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
@@ -44,8 +44,8 @@ Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 _AS_WIDE = 0.03
 """Share by which blocks of one width may differ as they are measured."""
 
-_MOST_SEEN = 0.95
-"""Share of the points that are seen from above from which on looking at these alone is in vain."""
+_FEW_SIDES = 0.05
+"""Share of the points that are of sides up to which looking at the others alone is in vain."""
 
 _MOST_UNSEEN = 0.5
 """Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
@@ -229,7 +229,7 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
         apart = whole, cloud.points
     if not apart:
         refused = ScanError(f"{refused}; {cloud.doubt}") if cloud.doubt else refused
-        whole = with_beside(_from_above(cloud.points, settings, known, refused), cloud.points, settings, known)
+        whole = with_beside(_without_sides(cloud.points, settings, known, refused), cloud.points, settings, known)
         apart = whole, cloud.points
     # Then it is read once more without what stands beside it, and refused if it may be a part, or may go on.
     scan, points = without_others(*apart, settings, known)
@@ -264,18 +264,18 @@ def _in_all(cloud: Cloud, settings: ScanSettings, known: StepField | None) -> Sc
         raise
 
 
-def _from_above(points: Array, settings: ScanSettings, known: StepField | None, refused: ScanError) -> Scan:
-    """Return the field in what is seen of a cloud from above; else raise what the search in all of it was refused with.
+def _without_sides(points: Array, settings: ScanSettings, known: StepField | None, refused: ScanError) -> Scan:
+    """Return the field in a cloud without points of sides; else raise what the search in all of it was refused with.
 
-    That it is another map than the known one says more. Without the points of sides other things look like blocks too,
-    so what is found has to show blocks: a carton does not if somebody says how wide they are.
+    That it is another map than the known one says more. Without sides other things look like blocks too, so what is
+    found has to show blocks: a carton does not if somebody says how wide they are.
     """
     near, middle = usable(points)
     eye = None if settings.eye is None else np.asarray(settings.eye) - middle
-    above = seen_from_above(near, settings.up, eye)
-    if len(above) < _MOST_SEEN * len(near):
+    others = without_sides(near, settings.up, eye)
+    if len(others) < (1 - _FEW_SIDES) * len(near):
         try:
-            scan = find_field(above + middle, settings, known)
+            scan = find_field(others + middle, settings, known)
         except ScanError as error:
             refused = error if known else refused
         else:
