@@ -476,12 +476,10 @@ def _size(shapes: Extents, where: str) -> Vector | None:
 def _derived(robot: SdfRobot) -> str:
     """Return what was taken from its file or from those around it, and what was assumed."""
     read, phrases = robot.read_drive, []
-    limits_by = "its model"
+    limits_by = read.limits_by if read else "its model"
     if read:
-        limits_by = read.limits_by
-        drive = read.drive
-        parts = "wheels" if isinstance(drive, Wheels) else "tracks"
-        sides = ",".join(drive.side_names)
+        parts = "wheels" if isinstance(read.drive, Wheels) else "tracks"
+        sides = ",".join(read.drive.side_names)
         phrases.append(f"its {parts} are {sides} by {read.origin}, {read.sizes_in_words}")
     values = {
         "size": f"size {' x '.join(f'{side:.3f}' for side in robot.size)} m around its origin",
