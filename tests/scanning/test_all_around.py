@@ -11,7 +11,7 @@ from rsegen import Matrix, Random, Recipe, StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.ground import without_sides
+from rsegen.scanning.grid import without_sides
 
 DENSE = 40_000
 """Points per square metre: 400 on a block of 10 cm."""

@@ -195,9 +195,7 @@ def _size(scan: Scan) -> Iterator[str]:
 
 def _place(scan: Scan) -> Iterator[str]:
     """Yield a line if a field of a given size may as well be a row farther, as its sides look like floor."""
-    raised = scan.levels > 0
-    sides = {"west": raised[0], "east": raised[-1], "south": raised[:, 0], "north": raised[:, -1]}
-    level = [name for name, cells in sides.items() if not cells.any()]
+    level = [name for name, cells in scan.sides.items() if not cells.any()]
     if level and not scan.frame.any():
         yield (
             "assumed: what is raised is in the middle of the field, as rows at level 0 look like floor, here at "

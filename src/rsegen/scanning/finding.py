@@ -339,8 +339,7 @@ class _Gridded:
 
 def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepField | None) -> _Gridded:
     """Turn a cloud upright and read the height of every cell, with as much of unit and width as is known."""
-    eye = None if settings.eye is None else np.asarray(settings.eye) - middle
-    ground = level_frame(points, settings.up, eye)
+    ground = level_frame(points, settings.up, settings.eye_from(middle))
     upright = ground.apply(points)
     base = settings.base or 0.0
     if base:  # the top of the board below the blocks becomes the ground

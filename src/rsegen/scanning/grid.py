@@ -24,6 +24,7 @@ those of something else, and with fewer than three points in a typical cell.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi, sin
 
@@ -31,7 +32,7 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.scanning.ground import sample
+from rsegen.scanning.ground import level_frame, plan_width, sample
 
 _POINTS_PER_PIXEL = 6
 """Points in the pixel of a typical point. With 3 outliers move the median: 5 of nine fields are found,
@@ -411,6 +412,28 @@ def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
     flat_point = np.zeros(len(points), dtype=bool)
     flat_point[order] = np.repeat(flat, counts)
     return flat_point
+
+
+_PIXELS, _THICK = 150, 0.003
+"""Pixels across a cloud in which sides are looked for: 1 cm of 1.5 m, in which a side has many points; with twice as
+many some blocks are not seen. And metres within which points are as high as each other, if the noise is less."""
+
+
+def without_sides(points: Array, up: Sequence[float] | None = None, eye: Array | None = None) -> Array:
+    """Return the points of a cloud (n, 3) that are as high as the highest, or lowest, one in their pixel of the plan.
+
+    Clouds that were taken from all around, or spread over a surface, have more points of sides than of tops, and sides
+    are at no level. Along a side, as much is kept of what it rises from as of what it rises to, so that blocks are not
+    wider. What breaks it: pixels so fine that a side has few points in one. up, eye: as for `level_frame`, whose
+    ScanError it raises.
+    """
+    ground = level_frame(points, up, eye)
+    upright = ground.apply(points)
+    order, starts, counts = _by_pixel(upright, _keys(upright, plan_width(upright) / _PIXELS)[0])
+    heights = upright[order, 2]
+    lowest, highest = (np.repeat(heights[ends], counts) for ends in (starts, starts + counts - 1))
+    is_end = np.minimum(highest - heights, heights - lowest) <= max(3 * ground.noise, _THICK)
+    return np.asarray(points[np.sort(order[is_end])])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -135,31 +135,6 @@ def plan_width(upright: Array) -> float:
     return float(np.ptp(np.quantile(sample(upright)[:, :2], [0.02, 0.98], axis=0), axis=0).max())
 
 
-_PIXELS, _THICK = 150, 0.003
-"""Pixels across a cloud in which sides are looked for: 1 cm of 1.5 m, in which a side has many points; with twice as
-many some blocks are not seen. And metres within which points are as high as each other, if the noise is less."""
-
-
-def without_sides(points: Array, up: Sequence[float] | None = None, eye: Array | None = None) -> Array:
-    """Return the points of a cloud (n, 3) that are as high as the highest, or lowest, one in their pixel of the plan.
-
-    Clouds that were taken from all around, or spread over a surface, have more points of sides than of tops, and sides
-    are at no level. Along a side, as much is kept of what it rises from as of what it rises to, so that blocks are not
-    wider. What breaks it: pixels so fine that a side has few points in one. up, eye: as for `level_frame`, whose
-    ScanError it raises.
-    """
-    ground = level_frame(points, up, eye)
-    upright = ground.apply(points)
-    pixel = plan_width(upright) / _PIXELS
-    i, j = np.floor((upright[:, :2] - upright[:, :2].min(axis=0)) / pixel).astype(np.int64).T
-    pixels, heights = i * (int(j.max()) + 1) + j, upright[:, 2]
-    highest, lowest = (np.full(int(pixels.max()) + 1, end) for end in (-np.inf, np.inf))
-    np.maximum.at(highest, pixels, heights)
-    np.minimum.at(lowest, pixels, heights)
-    off = np.minimum(highest[pixels] - heights, heights - lowest[pixels])
-    return np.asarray(points[off <= max(3 * ground.noise, _THICK)])
-
-
 def level_frame(
     points: Array, up: Sequence[float] | None = None, eye: Sequence[float] | Array | None = None
 ) -> GroundFrame:

@@ -46,6 +46,10 @@ class ScanSettings:
     eye: Sequence[float] | None = None
     base: float | None = None
 
+    def eye_from(self, middle: Array) -> Array | None:
+        """Return the place of the camera from a point (3,) [m], None if it is not known."""
+        return None if self.eye is None else np.asarray(self.eye) - middle
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Scan:
@@ -111,16 +115,20 @@ class Scan:
         return np.asarray(self.heights - expected)
 
     @property
+    def sides(self) -> dict[str, Mask]:
+        """The cells of each side, by its name: whether they are raised."""
+        raised = self.levels > 0
+        return {"west": raised[0], "east": raised[-1], "south": raised[:, 0], "north": raised[:, -1]}
+
+    @property
     def sparse_edges(self) -> dict[str, tuple[int, int]]:
         """Raised cells, and all cells, of each side of which few are raised, without frames: it may be no part of the
         field, but something that stands next to it.
         """
         if self.frame.any():
             return {}
-        raised = self.levels > 0
-        sides = {"west": raised[0], "east": raised[-1], "south": raised[:, 0], "north": raised[:, -1]}
-        few = raised.mean() * _FEW_OF_SIDE
-        return {name: (int(cells.sum()), cells.size) for name, cells in sides.items() if cells.mean() < few}
+        few = (self.levels > 0).mean() * _FEW_OF_SIDE
+        return {name: (int(cells.sum()), cells.size) for name, cells in self.sides.items() if cells.mean() < few}
 
     @property
     def blocks(self) -> Ints:

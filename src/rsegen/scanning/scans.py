@@ -24,7 +24,8 @@ from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.evidence import rows_may_follow
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.ground import usable, without_sides
+from rsegen.scanning.grid import without_sides
+from rsegen.scanning.ground import usable
 from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
@@ -228,8 +229,7 @@ def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None)
     if whole and (not apart or _is_of_whole(apart[0], whole)):
         apart = whole, cloud.points
     if not apart:
-        refused = ScanError(f"{refused}; {cloud.doubt}") if cloud.doubt else refused
-        whole = with_beside(_without_sides(cloud.points, settings, known, refused), cloud.points, settings, known)
+        whole = with_beside(_without_sides(cloud, settings, known, refused), cloud.points, settings, known)
         apart = whole, cloud.points
     # Then it is read once more without what stands beside it, and refused if it may be a part, or may go on.
     scan, points = without_others(*apart, settings, known)
@@ -264,24 +264,22 @@ def _in_all(cloud: Cloud, settings: ScanSettings, known: StepField | None) -> Sc
         raise
 
 
-def _without_sides(points: Array, settings: ScanSettings, known: StepField | None, refused: ScanError) -> Scan:
+def _without_sides(cloud: Cloud, settings: ScanSettings, known: StepField | None, refused: ScanError) -> Scan:
     """Return the field in a cloud without points of sides; else raise what the search in all of it was refused with.
 
     That it is another map than the known one says more. Without sides other things look like blocks too, so what is
     found has to show blocks: a carton does not if somebody says how wide they are.
     """
-    near, middle = usable(points)
-    eye = None if settings.eye is None else np.asarray(settings.eye) - middle
-    others = without_sides(near, settings.up, eye)
-    if len(others) < (1 - _FEW_SIDES) * len(near):
-        try:
+    try:
+        near, middle = usable(cloud.points)
+        others = without_sides(near, settings.up, settings.eye_from(middle))
+        if len(others) < (1 - _FEW_SIDES) * len(near):
             scan = find_field(others + middle, settings, known)
-        except ScanError as error:
-            refused = error if known else refused
-        else:
             if may_be_field(scan, settings, known):
                 return scan
-    raise refused
+    except ScanError as error:
+        refused = error if known else refused
+    raise ScanError(f"{refused}; {cloud.doubt}") if cloud.doubt else refused
 
 
 def _refuse_unended(scan: Scan, cloud: Cloud) -> None:

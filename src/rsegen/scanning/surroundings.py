@@ -89,9 +89,8 @@ def find_field_apart(points: Array, settings: ScanSettings, known: StepField | N
     blocks is it. One of which little shows them, as of few obstacles, is it if no other is, and somebody says so.
     """
     near, middle = usable(points)
-    eye = None if settings.eye is None else np.asarray(settings.eye) - middle
     others: list[tuple[Scan, Array]] = []
-    for things in _things(near, settings.up, eye):
+    for things in _things(near, settings.up, settings.eye_from(middle)):
         fields = []
         for thing in things:
             with suppress(ScanError):
