@@ -1,9 +1,10 @@
 """Accuracy of `rsegen scan` and `rsegen compare` on known fields, from clouds of a ray caster and of Gazebo Classic.
 
-python -m benchmarks.scan    prints the tables and keeps benchmarks/results/scan.json; a quarter of an hour
+python -m benchmarks.scan    prints the tables and keeps benchmarks/results/scan.json; twenty minutes
 
 Clouds are turned at random, tilted by up to 30 degrees and moved; 20 % of their points are missing, 2 % are outliers.
-Cameras stand evenly around the field and look at its middle. Without a Gazebo and a screen its rows stay as they are.
+Cameras stand evenly around the field and look at its middle; some smooth their depths. Without a Gazebo and a screen
+its rows stay as they are.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ PLACES = {"above": (0.7, 2.2), "aside": (1.4, 1.5)}
 
 VIEWS = (1, 2, 3, 4)
 NOISES_MM = (0, 5, 10, 15)
+BLURS = (1, 2)
+"""Pixels of the Gauss filter by which depths are smoothed, in rows with 5 mm of noise."""
 TILT = np.radians(30)
 
 
@@ -65,6 +68,7 @@ class Trial:
     place: str
     views: int
     noise_mm: int
+    blur: int = 0
     seed: int
     found: bool
     cells: int
@@ -100,15 +104,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def cast_trials(seeds: Sequence[int], say: Callable[[str], None] = lambda _: None) -> Iterator[Trial]:
     """Clouds of the ray caster."""
-    for place, views, noise, kind, seed in product(PLACES, VIEWS, NOISES_MM, KINDS, seeds):
-        if place == "aside" and noise != 5:
-            continue
+    smoothed = [(place, views, 5, blur) for place, blur, views in product(PLACES, BLURS, VIEWS)]
+    sharp = [row for row in product(PLACES, VIEWS, NOISES_MM, [0]) if row[0] == "above" or row[2] == 5]
+    for (place, views, noise, blur), kind, seed in product([*sharp, *smoothed], KINDS, seeds):
         rng = np.random.default_rng([seed, views, noise])
         field = rsegen.build(field_recipe(kind, seed), 0)
         cameras = [DepthCamera(place=eye, columns=400, rows=300, focal=330) for eye in _eyes(place, views, rng)]
-        cloud = scanned(field, cameras, Flaws(noise=noise / 1000, missing=0.2, outliers=0.02), rng)
-        trial = judged(field, turned(cloud, rng, TILT), Trial, ("caster", kind, place, views, noise, seed))
-        say(f"{place}, {views} views, {noise} mm, {kind}, seed {seed}: {trial.right} of {trial.seen} seen are right")
+        cloud = scanned(field, cameras, Flaws(blur=blur, noise=noise / 1000, missing=0.2, outliers=0.02), rng)
+        made = {"camera": "caster", "kind": kind, "place": place, "views": views, "noise_mm": noise, "blur": blur}
+        trial = judged(field, turned(cloud, rng, TILT), made | {"seed": seed})
+        say(
+            f"{trial.place}, {trial.views} views, {trial.noise_mm} mm, {trial.blur} pixels, {kind}, seed {seed}: "
+            f"{trial.right} of {trial.seen} seen are right"
+        )
         yield trial
 
 
@@ -127,7 +135,8 @@ def gazebo_trials(
             cloud = with_flaws(
                 [(np.asarray(eye), points) for eye, points in zip(eyes, clouds, strict=True)], flaws, rng
             )
-            trial = judged(field, turned(cloud, rng, TILT), Trial, ("gazebo", kind, "above", 2, noise, seed))
+            made = {"camera": "gazebo", "kind": kind, "place": "above", "views": 2, "noise_mm": noise, "seed": seed}
+            trial = judged(field, turned(cloud, rng, TILT), made)
             say(f"Gazebo, {noise} mm, {kind}, seed {seed}: {trial.right} of {trial.seen} seen are right")
             yield trial
 
@@ -144,8 +153,8 @@ def _eyes(place: str, views: int, rng: np.random.Generator) -> list[tuple[float,
     return [(float(away * np.cos(angle)), float(away * np.sin(angle)), high) for angle in angles]
 
 
-def judged(field: StepField, cloud: Array, trial: type[Trial], of: tuple[str, str, str, int, int, int]) -> Trial:
-    """Results of a scan with nothing given, and of one that is held against the field."""
+def judged(field: StepField, cloud: Array, made: Mapping[str, Any]) -> Trial:
+    """Results of a scan with nothing given, and of one that is held against the field; made: how the cloud was."""
     seen, right, found = 0, 0, False
     try:
         scan = find_field(cloud)
@@ -159,14 +168,8 @@ def judged(field: StepField, cloud: Array, trial: type[Trial], of: tuple[str, st
         known_right = int(_right(known, field, 0).sum())
     except ScanError:
         pass
-    camera, kind, place, views, noise, seed = of
-    return trial(
-        camera=camera,
-        kind=kind,
-        place=place,
-        views=views,
-        noise_mm=noise,
-        seed=seed,
+    return Trial(
+        **made,
         found=found,
         cells=field.levels.size,
         seen=seen,
@@ -202,18 +205,23 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         "| `compare`: right of those seen |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    keys = dict.fromkeys((each.camera, each.place, each.views, each.noise_mm) for each in trials)
-    for camera, place, views, noise in keys:
-        own = [t for t in trials if (t.camera, t.place, t.views, t.noise_mm) == (camera, place, views, noise)]
+    for key in dict.fromkeys(map(_row, trials)):
+        camera, place, views, noise, blur = key
+        own = [each for each in trials if _row(each) == key]
         good = [each for each in own if each.found]
         lines.append(
-            f"| {'ray caster' if camera == 'caster' else 'Gazebo Classic'} | {views} {place} | {noise} mm "
+            f"| {'ray caster' if camera == 'caster' else 'Gazebo Classic'} | {views} {place} "
+            f"| {noise} mm{f', smoothed by {blur} px' if blur else ''} "
             f"| {len(good)} of {len(own)} | {_share(sum(e.seen for e in good), sum(e.cells for e in good))} "
             f"| {_share(sum(e.right for e in good), sum(e.seen for e in good))} "
             f"| {sum(e.right == e.seen for e in good)} of {len(own)} "
             f"| {_share(sum(e.known_right for e in own), sum(e.known_seen for e in own))} |"
         )
     yield from lines
+
+
+def _row(trial: Trial) -> tuple[str, str, int, int, int]:
+    return trial.camera, trial.place, trial.views, trial.noise_mm, trial.blur
 
 
 def _share(part: int, whole: int) -> str:

@@ -19,7 +19,7 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.grid import CloudGrid, _Tops, find_grid
-from rsegen.scanning.levels import _agreement, _raised, find_unit
+from rsegen.scanning.levels import _agreement, _raised, find_unit, read_cells
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
 
@@ -248,9 +248,25 @@ def test_a_frame_of_which_a_side_is_hidden_is_found() -> None:
     field, cloud = hiding("outer")
     scan = find_field(cloud)
     assert scan.boundary == "outer"
-    assert scan.open_sides == ()
+    assert len(scan.open_sides) == 1  # the floor behind it is hidden too, so that the frame may be farther away
     right_turn(scan, field)
     assert (~scan.seen[scan.frame]).sum() > 8  # of the frame's 12 in a row
+
+
+@pytest.mark.slow
+def test_a_side_of_a_frame_that_may_be_elsewhere_is_open(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A person stands between the camera and two rows: the frame could be at any of them, or farther away."""
+    field = field_of(2, boundary="outer")
+    cloud = cloud_of(field)
+    cloud = cloud[cloud[:, 1] > -0.4]  # of 12 rows of 10 cm two are hidden, and the floor next to them
+    scan = find_field(cloud)
+    assert sorted(scan.levels.shape) == [11, 12]
+    assert scan.boundary == "outer"
+    assert len(scan.open_sides) == 1
+    np.save(tmp_path / "hidden.npy", cloud)
+    assert main(["scan", str(tmp_path / "hidden.npy"), "-o", str(tmp_path)]) == 0
+    side = scan.open_sides[0]
+    assert f"almost no cells next to the {side} side were seen" in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -310,6 +326,33 @@ def test_no_level_of_a_smoothed_cloud_is_wrong_and_sure() -> None:
     sure = replace(scan, heights=np.where(scan.confidence >= SURE, scan.heights, np.nan))
     right_turn(sure, field)
     assert sure.seen.mean() > 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("x", "y"), long_unless((1.4, 0.2).__eq__, [(1.4, 0.2), (0.9, -1.1)], reason="a scan more"))
+def test_smoothed_depths_behind_blocks_are_no_blocks(x: float, y: float) -> None:
+    """They hang between the edges of blocks and the floor behind them, as if cells had two heights."""
+    field = field_of(11, **KINDS["half-cubes"])
+    cameras = [DepthCamera(place=at, columns=640, rows=480, focal=580) for at in ((x, y, 1.5), (-x, -y, 1.4))]
+    rng = np.random.default_rng(2)
+    cloud = scanned(field, cameras, Flaws(blur=1.5, noise=0.004, missing=0.2, outliers=0.01), rng)
+    scan = find_field(turned(cloud, rng, 0.5))
+    assert sorted(scan.levels.shape) == sorted(field.levels.shape)
+    sure = replace(scan, heights=np.where(scan.confidence >= SURE, scan.heights, np.nan))
+    right_turn(sure, field)
+    assert sure.seen.mean() > 0.5
+
+
+@pytest.mark.parametrize(("rise", "noise", "is_top"), [(0, 0.002, True), (0, 0.02, True), (0.1, 0.002, False)])
+def test_points_that_rise_over_a_cell_are_of_no_top(rise: float, noise: float, *, is_top: bool) -> None:
+    rng = np.random.default_rng(4)
+    across = rng.uniform(0, 0.5, (20_000, 2))
+    cloud = np.column_stack([across, 0.2 + rise / 0.1 * (across[:, 0] % 0.1 - 0.05) + rng.normal(0, noise, 20_000)])
+    grid = CloudGrid(heading=0.0, origin=np.zeros(2), width=0.1)
+    reading = read_cells(cloud, np.ones(len(cloud), bool), grid, 0.1, noise)
+    assert reading.heights.shape == (5, 5)
+    assert reading.seen.all() == is_top
+    assert reading.seen.any() == is_top
 
 
 @pytest.mark.slow

@@ -86,6 +86,12 @@ def open_sides(reading: Reading, corner: Cell, shape: Cell) -> tuple[str, ...]:
     return tuple(side for side, cells in next_to.items() if cells.mean() < _FEW_SEEN)
 
 
+def unseen_sides(reading: Reading, corner: Cell, shape: Cell) -> tuple[str, ...]:
+    """Return the sides of a rectangle of which, and next to which, almost no cell was seen: it may end elsewhere."""
+    within = open_sides(reading, (corner[0] + 1, corner[1] + 1), (shape[0] - 2, shape[1] - 2))
+    return tuple(side for side in open_sides(reading, corner, shape) if side in within)
+
+
 def floor_rows(reading: Reading, unit: float) -> tuple[int, int, int, int]:
     """Return how many rows of cells of floor were seen next to all that is raised: west, east, south, north of it."""
     raised = reading.levels(unit) > 0

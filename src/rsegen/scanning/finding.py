@@ -38,6 +38,7 @@ from rsegen.scanning.extent import (
     open_sides,
     raised_apart,
     units_below,
+    unseen_sides,
     whole_cloud,
     with_open_rows,
 )
@@ -392,7 +393,8 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
             part = grid.reading.part(corner, shape)
             frames = frames_of(part, grid.unit, wanted.boundary or None, wanted.side)
             if frames and settings.blocks in (None, frames.blocks):
-                return grid.scan(part, frames, grid.transform.moved(corner, shape))
+                scan = grid.scan(part, frames, grid.transform.moved(corner, shape))
+                return scan if settings.blocks else replace(scan, open_sides=unseen_sides(grid.reading, corner, shape))
     if boundary not in (None, "none"):
         raise ScanError(f"no {boundary} frames of one height stand around the blocks; set boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)

@@ -5,9 +5,10 @@ whole multiples of u and about 0 for others. A half or a third of the unit agree
 counts.
 
 Cells: the height of a cell is the mean of the points near their median, in the inner 60 % of the cell, where no point
-of a side is. A plane (the ground was off by a little) and the unit are then fitted through all tops. The confidence of
-a level is the probability that a normal error, of the mean of its points and of what all heights have in common, is
-less than half a unit; by Bayes it is less if the height is one that few blocks have, and other things have as often.
+of a side is; if these points rise from one side of it to the other, they are of no top. A plane (the ground was off by
+a little) and the unit are then fitted through all tops. The confidence of a level is the probability that a normal
+error, of the mean of its points and of what all heights have in common, is less than half a unit; by Bayes it is less
+if the height is one that few blocks have, and other things have as often.
 
 Board: tops on a board have heights `board + level unit`, floor has 0, so a line through the medians of the levels has
 an intercept; the cloud is then read again from the top of the board.
@@ -40,6 +41,11 @@ _NOISE = 1.3
 
 _FEWEST_POINTS = 5
 """Points of a height, at the least: the median of five stands two outliers."""
+
+_RISE, _SURELY = 0.5, 5.0
+"""Units by which the points of a cell rise over its width if they are of no top, and times that this rise explains
+their variance better than chance (F of 2 and n - 3): of level tops of 20 points one in a hundred has more. Smoothed
+depths hang between the edge of a block and what is behind it, over all cells that it hides: by several units each."""
 
 _FEWEST_SHARE = 0.04
 """Share of the points of a typical cell, at the least: of fewer, most may be of sides or of noise."""
@@ -154,8 +160,11 @@ def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: f
     if core.sum() < 2 * _FEWEST_POINTS * np.count_nonzero(np.bincount(keys[inside])):
         core = inside & (middle < _WIDE_CORE)
     # Points of a top are within 0.4 units of its median, or, if the noise is large, 2.5 standard deviations (99 %).
-    keys, z = keys[core], points[core, 2]
-    heights, counts, slopes, spread = _agreed(keys, z, tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise))
+    keys, z, within = keys[core], points[core, 2], max(0.4 * unit, 2.5 * noise)
+    heights, counts, slopes, spread = _agreed(keys, z, tops[core], shape[0] * shape[1], within)
+    near = tops[core] & (np.abs(z - heights[keys]) < within)
+    places = (across - cells)[:, core][:, near]
+    heights[_rising(keys[near], places, z[near] / unit, heights.size)] = np.nan
     off = np.abs(z - heights[keys]) > unit / 2  # of cells that were not seen none is
     strays = np.bincount(keys, off, heights.size) / np.maximum(np.bincount(keys, minlength=heights.size), 1)
     return Reading(
@@ -197,6 +206,26 @@ def _agreed(keys: Ints, heights: Array, tops: Mask, cells: int, within: float) -
     variance = squares / np.maximum(counts - 3, 1)
     slopes = np.sqrt(np.maximum(np.nan_to_num(variance) - _NOISE**2 * spread**2, 0))
     return means, counts, slopes, spread
+
+
+def _rising(keys: Ints, places: Array, heights: Array, cells: int) -> Mask:
+    """Return which cells have points on a slope, and no level top, (cells,).
+
+    keys: the cell of each point, (n,); places: of the points, (2, n), in widths; heights: (n,) in units
+    """
+
+    def of_cells(values: Array) -> Array:
+        return np.asarray(np.bincount(keys, weights=values, minlength=cells), np.float64)
+
+    # A plane per cell by least squares: two equations in the moments of its points about their mean.
+    counts = np.maximum(np.bincount(keys, minlength=cells), 1)
+    x, y, z = (values - (of_cells(values) / counts)[keys] for values in (*places, heights))
+    xx, xy, yy, xz, yz, zz = (of_cells(a * b) for a, b in ((x, x), (x, y), (y, y), (x, z), (y, z), (z, z)))
+    area = np.maximum(xx * yy - xy**2, 1e-12)  # 0 if the points are in a line
+    along_x, along_y = (yy * xz - xy * yz) / area, (xx * yz - xy * xz) / area
+    explained = along_x * xz + along_y * yz
+    by_chance = np.maximum(zz - explained, 0) / np.maximum(counts - 3, 1)
+    return np.asarray((np.hypot(along_x, along_y) > _RISE) & (explained / 2 > _SURELY * by_chance) & (counts > 3))
 
 
 def levelled(reading: Reading, unit: float) -> tuple[Reading, float]:

@@ -60,7 +60,8 @@ class Scan:
     strays: share of its points that are more than half a unit off it, 0 to 1.
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
     frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
-    open_sides: sides next to which almost no cell was seen, so the field may be larger; none with frames or a size.
+    open_sides: sides next to which almost no cell was seen, so the field may be larger; with frames only those of which
+    no cell was seen either; none with a size.
     whole: cells of the whole cloud, if it ends at lines of the grid around a larger rectangle without frames.
     apart: raised cells outside of it; none with frames or a size.
     beside: cells around it that are as high as blocks, which may be obstacles of it; none with frames or a size.
