@@ -221,14 +221,18 @@ def test_a_map_of_tiny_blocks_has_500_cells_of_ground_around(tmp_path: Path) -> 
     assert (folder / "map.pgm").read_bytes().startswith(b"P5\n1002 1002\n")
 
 
-def test_friction_is_that_of_the_level_of_each_block(tmp_path: Path) -> None:
-    folder, field = written(SLIPPERY, tmp_path) / "maps" / SLIPPERY.name, SLIPPERY.field
+FRAMED = Recipe(seed=3, chunk_size=4, level_friction=(0.3, 1.0, 0.6), obstacles=[rsegen.Random(levels=3)])
+
+
+@pytest.mark.parametrize("scene", [SLIPPERY, compose(FRAMED)], ids=["bare", "framed"])
+def test_friction_is_that_of_the_level_of_each_block_and_of_the_frame(scene: Scene, tmp_path: Path) -> None:
+    folder, field = written(scene, tmp_path) / "maps" / scene.name, scene.field
     margin = round(2 / field.block_width + 0.499)
     friction = np.load(folder / "friction.npy")[margin:-margin, margin:-margin]
     for i, j in np.ndindex(field.shape):
         level = 0 if field.frame[i, j] else int(field.levels[i, j])
         on_ground = level == 0 and not field.frame[i, j]
-        expected = SLIPPERY.friction if on_ground else SLIPPERY.friction_of(level)
+        expected = scene.friction if on_ground else scene.friction_of(level)
         assert friction[i, j] == np.float32(expected)
     assert len(np.unique(friction)) > 1
 
