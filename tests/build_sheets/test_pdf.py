@@ -167,6 +167,21 @@ def test_cells_too_small_for_heights_have_levels_with_a_note() -> None:
     assert "The sheet as CSV has the order of placing." in said
 
 
+def test_rulers_on_all_sides_of_a_pallet_count_the_cells_of_the_map_and_an_arrow_shows_north() -> None:
+    page, top, left, side = read(RECIPES["framed"]).pages[2], 40.0, 19.0, 172.0
+    found: dict[str, dict[int, str]] = {name: {} for name in ("north", "south", "west", "east")}
+    for text, x, y, _ in placed(page):
+        column, row = (int((at - start) // (side / 12)) for at, start in ((x, left), (y, top)))
+        if text.isdecimal() and 0 <= column < 12 and min(abs(y - top + 2), abs(y - top - side - 4)) < 3:
+            found["north" if y < top else "south"][column] = text
+        if text.isdecimal() and 0 <= row < 12 and not 0 <= x - left < side:
+            found["west" if x < left else "east"][row] = text
+    columns = {at: str(9 + at) for at in range(1, 11)}  # the frame is the first one
+    rows = {at: str(20 - at) for at in range(1, 11)}
+    assert found == {"north": columns, "south": columns, "west": rows, "east": rows}
+    assert [(x > left + side - 10, y < 20) for text, x, y, _ in placed(page) if text == "N"] == [(True, True)]
+
+
 @EVERY
 def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(name: str) -> None:
     recipe = RECIPES[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,3 +64,11 @@ def test_the_load_of_the_gpu_is_that_of_the_busiest(
 
 def test_the_time_in_which_the_machine_was_busy_only_grows() -> None:
     assert busy() <= busy()
+
+
+def test_the_machine_is_busy_with_all_that_is_not_idle_and_guests_count_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    times = {"user": 8.0, "system": 2.0, "idle": 100.0, "iowait": 5.0, "guest": 3.0, "guest_nice": 1.0}
+    found = namedtuple("found", times)(**times)  # as psutil's
+    monkeypatch.setattr("psutil.cpu_times", lambda: found)
+    monkeypatch.setattr("os.cpu_count", lambda: 4)
+    assert busy() == (8 + 2) / 4

@@ -165,7 +165,7 @@ def test_attempts_and_what_happened_to_robots_are_counted_per_cell(results: Resu
     head = next(line for line in text.splitlines() if line.startswith("| blocks |"))
     assert "| covered | off the map | impossible | attempts | paper: RTF |" in head
     assert rows(text)["80 x 80"][11:14] == ["- / 33 %", "- / 11 %", "- / 6"]
-    assert "attempts" not in report_page(PLAN, results, MACHINE, COMMAND)
+    assert "attempts" not in report_page(PLAN, results, MACHINE, COMMAND).lower()
 
 
 def test_speeds_are_not_compared_with_the_empty_world_if_drives_are_unknown(results: Results) -> None:
@@ -226,6 +226,7 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
     outcomes = {cell: [outcome(1.0 + cell.row, 0.9)] for cell in both.cells}
     text = report_page(both, outcomes, MACHINE, COMMAND)
     assert text.count("## ") == 2
+    assert ", in Gazebo" not in "".join(line for line in text.splitlines() if line.startswith("## "))
     table = [line for line in text.splitlines() if line.startswith("| Gazebo ") and "80 x 80" in line]
     assert [[cell.strip() for cell in line.split("|")[1:10]] for line in table] == [
         ["Gazebo Sim", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", *COSTS, "1.0 s", "1.0", "1.00"],
@@ -243,6 +244,15 @@ def test_a_world_in_turns_with_an_empty_one_is_reported_with_its_error(results: 
 
     assert beside(0.9) == "0.90"
     assert beside(0.8, 0.9, 0.9, 1.0) == f"0.90 ± {sqrt(pi / 2 / 4 * 0.02 / 3):.2f}" == "0.90 ± 0.05"
+
+
+@pytest.mark.parametrize("pace", ["camera", "window"])
+def test_frames_per_second_are_in_a_page_whose_trials_draw_any(results: Results, pace: str) -> None:
+    missing = "No window and no camera, so no frames per second."
+    assert missing in report_page(PLAN, results, MACHINE, COMMAND)
+    page = report_page(replace(PLAN, paces=["real", pace]), results, MACHINE, COMMAND)
+    assert missing not in page
+    assert "| frames per s |" in page
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:
@@ -276,6 +286,11 @@ def test_the_plot_has_no_empty_axes_for_a_real_time_factor_that_was_not_measured
         assert picture.width == 1000
 
 
+def test_a_plot_of_nothing_yet_is_a_picture() -> None:
+    with Image.open(io.BytesIO(plot(PLAN, {}))) as picture:
+        assert picture.width == 1500
+
+
 def test_the_bars_of_the_plot_reach_from_the_least_to_the_most_of_all_trials(
     results: Results, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -286,3 +301,5 @@ def test_the_bars_of_the_plot_reach_from_the_least_to_the_most_of_all_trials(
     lines = [lines for axes in drawn[0].axes for lines in axes.collections if isinstance(lines, LineCollection)]
     bars = [segment for part in lines for segment in part.get_segments() if abs(segment[0, 0] - 80) < 5]
     assert any(segment[:, 1].tolist() == [4, 9] for segment in bars)
+    of_paper = [float(figure) for figure in BURGERS[80].rtf.split("-")]
+    assert any(segment[:, 1].tolist() == pytest.approx(of_paper) for segment in bars)

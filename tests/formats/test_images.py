@@ -157,6 +157,12 @@ def test_a_margin_is_free_ground_of_whole_cells_around_the_map(margin_cm: float,
     assert yaml.safe_load((tmp_path / "map.yaml").read_text())["origin"] == pytest.approx(corner, abs=1e-9)
 
 
+def test_a_margin_of_whole_cells_is_not_a_cell_wider_by_rounding() -> None:
+    scene = compose(Recipe(seed=1, chunk_size=2, boundary="none", block_width_cm=15))
+    assert 105 / 100 / 0.15 > 7
+    assert made(Occupancy(margin_cm=105), scene)["map.pgm"].startswith(b"P5\n16 16\n")
+
+
 def test_a_margin_that_makes_a_huge_image_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"margin_cm: 100000 cm .* 20002 x 20003 pixels; use less"):
         made(Occupancy(margin_cm=100_000), of_levels([[2, 0, 2], [0, 2, 2]]))

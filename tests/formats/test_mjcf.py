@@ -79,10 +79,12 @@ def test_a_height_field_slopes_only_within_half_a_sample_of_a_cell_s_edge(pixels
             np.testing.assert_allclose(found, scene.field.heights, rtol=0, atol=1e-6)
 
 
-def test_a_field_of_one_height_is_there(tmp_path: Path) -> None:
-    scene = compose(NEAR_FLAT)
+@pytest.mark.parametrize("levels", [[[3, 3], [3, 3]], [[3, 1], [2, 1]]])
+def test_a_height_field_without_a_cell_on_the_ground_is_at_its_heights(levels: list[list[int]], tmp_path: Path) -> None:
+    scene = compose(replace(NEAR_FLAT, obstacles=(Matrix.of(np.array(levels)),)))
     model, state = compiled(written("hfield", scene, tmp_path))
-    np.testing.assert_allclose(seen_from_above(model, state, *centres(scene.field)), 0.3, rtol=0, atol=1e-6)
+    found = seen_from_above(model, state, *centres(scene.field))
+    np.testing.assert_allclose(found, scene.field.heights, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["boxes", "mesh"])

@@ -13,7 +13,7 @@ import trimesh
 from rsegen import Recipe, Scene, compose
 from rsegen.formats.parts import srgb_to_linear
 from rsegen.formats.usd import Usd
-from tests.formats.maps import SCENES, made
+from tests.formats.maps import RECIPES, SCENES, made
 from tests.formats.test_meshes import seen_from_above
 from tests.real.maps import slippery
 
@@ -48,6 +48,27 @@ def triangles(mesh: Any) -> Any:
     assert set(mesh.GetFaceVertexCountsAttr().Get()) == {3}
     faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
     return trimesh.Trimesh(np.array(mesh.GetPointsAttr().Get()), faces, process=False)
+
+
+def test_images_are_looked_up_at_the_texture_coordinates_of_the_mesh(tmp_path: Path) -> None:
+    from pxr import UsdGeom, UsdShade
+
+    scene = compose(replace(RECIPES["one frame of another height"], look="wood"))
+    files = made(Usd(binary=False), scene)
+    for path, content in files.items():
+        (tmp_path / path).write_bytes(content)
+    stage = pxr.Usd.Stage.Open(str(tmp_path / f"{scene.name}.usda"))
+    shaders = [UsdShade.Shader(prim) for prim in stage.Traverse() if prim.IsA(UsdShade.Shader)]
+    images = [shader for shader in shaders if shader.GetShaderId() == "UsdUVTexture"]
+    assert images
+    for image in images:
+        assert image.GetInput("file").Get().path.removeprefix("./") in files
+        (source,), _ = image.GetInput("st").GetConnectedSources()
+        reader = UsdShade.Shader(source.source.GetPrim())
+        assert reader.GetShaderId() == "UsdPrimvarReader_float2"
+        assert UsdGeom.PrimvarsAPI(surface(stage)).GetPrimvar(reader.GetInput("varname").Get()).HasValue()
+    known = {"UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float2"}
+    assert {shader.GetShaderId() for shader in shaders} == known
 
 
 @BINARY

@@ -120,6 +120,12 @@ def test_materials_that_a_mesh_uses_are_in_its_library(recipe: Recipe) -> None:
             assert {line.split()[1] for line in lines if line.startswith("usemtl")} <= set(library)
 
 
+def test_a_map_without_blocks_has_no_files_of_meshes() -> None:
+    flat = Recipe(chunk_size=2, boundary="none", seed=1)
+    assert not [path for path in export(compose(flat)) if path.parts[0] == "meshes"]
+    assert [path for path in export(compose(replace(flat, boundary="divided"))) if path.parts[0] == "meshes"]
+
+
 @pytest.mark.slow
 @given(recipes())
 def test_multi_has_a_static_box_for_each_cell_above_the_ground(recipe: Recipe) -> None:

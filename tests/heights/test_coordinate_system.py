@@ -176,6 +176,7 @@ def test_blocks_are_as_wide_as_the_cells_that_they_cover(
 def test_the_width_of_blocks_is_written_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     known = geotiff(tmp_path / "known.tif", METRES, 0.25, 0.25)
     unknown = esri(tmp_path / "unknown.asc", "cellsize 2")
+    oblong = geotiff(tmp_path / "oblong.tif", METRES, 0.25, 0.5)
     beside = esri(tmp_path / "beside.asc", "dx 0.5\ndy 0.5", UTM)
     line = "blocks are {} cm wide, as the file says (--block-width-cm if they are not)"
     doubt = "warning: blocks are 10 cm wide, and in the file they are 2 x 2 in a unit that it does not say "
@@ -183,6 +184,7 @@ def test_the_width_of_blocks_is_written_and_told(tmp_path: Path, capsys: pytest.
         (known, (), 25, line.format(25)),
         (beside, (), 50, line.format(50)),
         (unknown, (), 10, f"{doubt}(--block-width-cm)"),
+        (oblong, (), 10, f"{doubt.partition('2 x 2')[0]}0.25 x 0.5 m (--block-width-cm)"),
         (unknown, ("--block-width-cm", "200"), 200, ""),
     ):
         flags = ("--values", "m", "--datum-cm", "10000", "--unit-cm", "100", *more)

@@ -83,6 +83,13 @@ def test_coloured_pixels_without_data_are_those_of_which_no_band_has_any(tmp_pat
     assert Picture().read(image(tmp_path / "a.tif", pixels, "255"), None).levels.ravel().tolist() == [-1, 4, 0]
 
 
+def test_transparent_pixels_are_unknown_whether_or_not_others_have_no_data(tmp_path: Path) -> None:
+    pixels = np.array([[(9, 9, 9, 0), (255, 255, 255, 255)]], dtype="u1")
+    for no_data in (None, "7"):
+        file = image(tmp_path / "a.tif", pixels, no_data)
+        assert Picture().read(file, None).levels.ravel().tolist() == [-1, 4]
+
+
 MAP = "image: m.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: {}\noccupied_thresh: 0.65\nfree_thresh: 0.196\n{}"
 
 

@@ -59,12 +59,13 @@ def test_heights_may_have_any_given_unit(values: str, tmp_path: Path) -> None:
     [
         (LEVELS * 5, "whole multiples of 5: set values cm and unit_cm 5, or values in and unit_cm 12.7"),
         (LEVELS * 3.5, "whole multiples of 3.5: set values cm and unit_cm 3.5, or values in and unit_cm 8.89"),
+        (np.where(LEVELS, LEVELS * 10 + 5, 0), "whole multiples of 5: set values cm and unit_cm 5, or"),
         (LEVELS * 10 + 35, "whole units above 35 cm: set datum_cm 35 if that is the ground"),
         (LEVELS * 1.0, "whole multiples of 1: set values levels, or values cm and unit_cm 1, "),
         (LEVELS * 0.1, "values m and unit_cm 10"),
         (np.random.default_rng(3).random((10, 8)) * 50, "set another unit_cm, other values"),
     ],
-    ids=["half-cubic", "inches", "datum", "levels", "metres", "no blocks"],
+    ids=["half-cubic", "inches", "on the ground", "datum", "levels", "metres", "no blocks"],
 )
 def test_heights_that_no_block_has_are_refused_with_the_possible_ones(
     heights: np.ndarray, said: str, rounded: bool, tmp_path: Path
@@ -142,6 +143,14 @@ def test_a_map_that_is_turned_and_shifted_in_a_fine_table_is_found(tmp_path: Pat
         imported(tmp_path / "fine.npy", Saved(rotation=20))
 
 
+def test_with_an_origin_or_a_turn_alone_a_cell_of_the_file_is_a_block(tmp_path: Path) -> None:
+    np.save(tmp_path / "cells.npy", LEVELS * 10)
+    shifted = imported(tmp_path / "cells.npy", Saved(size=(4, 3), origin=(5, 2)))
+    assert (build(shifted).levels == LEVELS[5:9, 2:5]).all()
+    turned = imported(tmp_path / "cells.npy", Saved(size=(4, 2), rotation=0.001))  # in the middle of the file
+    assert (build(turned).levels == LEVELS[3:7, 3:5]).all()
+
+
 def test_blocks_outside_the_file_are_holes() -> None:
     found = sampled(np.ones((4, 4)), (3, 1), (2, 2), (0.0, 0.0), 0.0)
     assert np.isnan(found).tolist() == [[False], [False], [True]]
@@ -214,7 +223,9 @@ def test_the_command_says_and_draws_how_far_it_rounded(tmp_path: Path, capsys: p
     assert not (tmp_path / "other").exists()
 
 
-def test_cells_are_counted_in_whole_numbers_in_the_picture_of_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_picture_of_rounding_counts_cells_and_its_colours_end_at_half_a_unit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     figures: list[Figure] = []
     monkeypatch.setattr(pictures, "figure_bytes", lambda figure, *_: figures.append(figure))
     scene = compose(Recipe(seed=1, chunk_size=4, boundary="none", obstacles=(Random(levels=3),)))
@@ -222,6 +233,7 @@ def test_cells_are_counted_in_whole_numbers_in_the_picture_of_rounding(monkeypat
     axes = figures[0].axes[0]
     for axis in (axes.xaxis, axes.yaxis):
         assert all(tick.is_integer() for tick in axis.get_majorticklocs())
+    assert axes.images[0].get_clim() == (-5, 5)  # cm
 
 
 def test_the_first_wrong_height_is_the_first_in_reading_order(tmp_path: Path) -> None:

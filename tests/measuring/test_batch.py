@@ -48,8 +48,10 @@ def test_a_large_map_of_many_levels_has_its_deviation() -> None:
     assert batch_metrics(levels, like)["spread.deviation"] == pytest.approx([163.83] * 2, rel=1e-6)
 
 
-def test_a_block_alone_has_no_steps() -> None:
-    table = batch_metrics(np.ones((2, 1, 1), dtype=np.uint8), rsegen.build(Recipe(seed=0, chunk_size=1)))
+@pytest.mark.parametrize("boundary", ["none", "divided"])
+def test_a_block_alone_has_no_steps(boundary: str) -> None:
+    alone = rsegen.build(Recipe(seed=0, chunk_size=1, boundary=boundary))
+    table = batch_metrics(np.ones((2, 1, 1), dtype=np.uint8), alone)
     assert np.isnan(table["steps.rms"]).all()
     assert np.isnan(table["ruggedness.tri"]).all()
     assert table["opening.west_east"].tolist() == pytest.approx([0.1, 0.1])

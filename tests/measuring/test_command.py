@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import rsegen
 from rsegen import Matrix, Recipe, StepLimits
 from rsegen.cli.edge import main
 from rsegen.field.traversability import traversability
-from rsegen.measuring.plots import path_plot
+from rsegen.measuring import plots
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
 
@@ -271,12 +272,22 @@ def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
     found = traversability(scene.field, StepLimits(climb_cm=climb_cm))
-    pixels = Image.open(io.BytesIO(path_plot(scene, found, "a path"))).convert("RGB")
+    pixels = Image.open(io.BytesIO(plots.path_plot(scene, found, "a path"))).convert("RGB")
     assert pixels.size == (1400, 700)
     heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)
     assert heat is not None
     coloured = sum(count for count, colour in heat if isinstance(colour, tuple) and math.dist(colour, (68, 1, 84)) < 60)
     assert (coloured > 1000) == found.west_east.crosses
+
+
+def test_a_picture_shows_ways_in_the_cells_that_they_go_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(plots, "figure_bytes", lambda figure, *_: figures.append(figure))
+    scene = rsegen.compose(rsegen.Recipe(chunks=(2, 1), chunk_size=4, boundary="none", seed=1))
+    plots.path_plot(scene, traversability(scene.field, StepLimits(climb_cm=10)), "a path")
+    drawn = {str(line.get_label()).partition(":")[0]: np.array(line.get_xydata()) for line in figures[0].axes[0].lines}
+    assert drawn["west to east"][[0, -1], 0] == pytest.approx([-0.45, 0.45])  # from the ground next to it
+    assert drawn["south to north"][[0, -1], 1] == pytest.approx([-0.25, 0.25])
 
 
 @pytest.mark.slow

@@ -124,3 +124,7 @@ def test_the_grid_holds_what_is_documented() -> None:
     assert LAPSES[0] == 0
     assert LAPSES[-1] == 0.08
     assert all(low < high for low, high in pairwise(SPREADS))
+
+
+def test_before_any_trial_a_larger_lapse_is_less_likely() -> None:
+    assert all(small > large for small, large in pairwise(known([]).weights.sum((0, 1))))

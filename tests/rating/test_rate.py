@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import rsegen
@@ -30,6 +31,7 @@ from rsegen.rating.rate import Rated as RatedRobot
 from rsegen.rating.rate import usual_fields
 from rsegen.rating.rating import Curve, Rating, plot, shown_places
 from rsegen.rating.run import batch_size
+from rsegen.robots.base import ROBOTS
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import straight
 from tests.rating.conftest import Rated
@@ -40,6 +42,9 @@ real = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not her
 
 HALF_M = 0.03
 """Height of a unit at which the robot of `crosses` crosses half of the fields, metres."""
+
+
+UNLIMITED = dict.fromkeys(("wheels", "tracks", "size", "speed", "turn"))
 
 
 def crosses(field: StepField, seed: int) -> bool:
@@ -166,10 +171,15 @@ def test_a_trial_is_driven_again_where_it_was_made(by: str, robot: list[str]) ->
     ("robot", "named"), [("jackal", "jackal"), ("mine.xacro lidar:=true", "../mine.xacro lidar:=true")]
 )
 def test_a_robot_of_a_file_is_named_from_the_folder_of_its_rating(robot: str, named: str) -> None:
-    limits = dict.fromkeys(("wheels", "tracks", "size", "speed", "turn"))
-    subject = RatedRobot(robot=robot, limits=limits, motors=None, duration=None)
+    subject = RatedRobot(robot=robot, limits=UNLIMITED, motors=None, duration=None)
     assert subject.replay(Path("out")) == ("--robot", named)
     assert subject.replay() == ("--robot", robot)
+
+
+def test_a_robot_of_python_can_be_driven_again_if_it_is_a_known_kind() -> None:
+    own = replace(ROBOTS["jackal"], links=ROBOTS["jackal"].links)
+    for robot, words in ((ROBOTS["jackal"], ("--robot", "jackal")), (own, ())):
+        assert RatedRobot(robot=robot, limits=UNLIMITED, motors=None, duration=None).replay() == words
 
 
 @pytest.mark.slow
@@ -382,6 +392,22 @@ def test_the_plot_shows_curves_and_points(tmp_path: Path) -> None:
     drawn = (blue > red + 60) & (blue > green)  # curve, points and intervals
     assert drawn.sum() > 3000
     assert drawn.any(axis=0).mean() > 0.7
+
+
+def test_the_plot_says_what_is_on_its_axes_and_how_many_trials_a_point_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr("rsegen.rating.rating.encoded", lambda figure, *_: figures.append(figure))
+    rating = rated(trials=40)
+    plot(rating)
+    (axes,) = figures[0].axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "unit [cm], harder to the right",
+        "share of fields that are crossed",
+    )
+    assert sum(int(text.get_text()) for text in axes.texts) == len(rating.curves[0].trials)
+    legend = axes.get_legend()
+    assert legend
+    assert [text.get_text().partition(":")[0] for text in legend.get_texts()] == ["crosses"]
 
 
 def test_batches_depend_on_the_number_of_trials_alone() -> None:

@@ -58,6 +58,14 @@ def test_the_obstacles_that_cover_another_are_named() -> None:
     assert not covered_obstacles(replace(recipe, obstacles=[PEAK, halves[0]]), 0)
 
 
+@pytest.mark.parametrize(("over", "more"), [(3, ""), (4, " and 1 more")])
+def test_of_many_obstacles_that_cover_another_three_are_named(over: int, more: str) -> None:
+    columns = [Platform(levels=2, first=(x, 0), last=(x if x < 1 + over else 9, 9)) for x in range(2, 2 + over)]
+    (said,) = warnings(compose(Recipe(seed=1, obstacles=[PEAK, *columns]), 0))
+    assert said.count("platform") == 3
+    assert said.endswith(f"obstacles[3] (platform){more}; the map has no block of it")
+
+
 @pytest.mark.parametrize("blend", ["max", "add", "min"])
 def test_a_blend_that_takes_the_levels_below_into_account_does_not_cover(blend: str) -> None:
     recipe = Recipe(seed=1, obstacles=[PEAK, Random(levels=3, blend=blend)])

@@ -34,9 +34,17 @@ def separation(robot: SdfRobot) -> float:
     return robot.drive.separation
 
 
-@pytest.mark.parametrize("other", ["small_control", "tiny", "my_other_robot_control"])
-def test_a_controller_of_another_robots_package_is_not_used_and_named(tmp_path: Path, other: str) -> None:
-    robot = workspace(tmp_path, "my_robot_description", other, FOREIGN)
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        ("my_robot_description", "small_control"),
+        ("my_robot_description", "tiny"),
+        ("my_robot_description", "my_other_robot_control"),
+        ("large", "tiny"),
+    ],
+)
+def test_a_controller_of_another_robots_package_is_not_used_and_named(tmp_path: Path, own: str, other: str) -> None:
+    robot = workspace(tmp_path, own, other, FOREIGN)
     assert separation(robot) == pytest.approx(0.3)
     assert "speed" in robot.assumed
     assert any(
@@ -171,6 +179,20 @@ REAR = """  <link name="rear_{side}_wheel">
 """
 
 
+@pytest.mark.parametrize("multiplier", ["wheel_radius_multiplier", "left_wheel_radius_multiplier"])
+def test_of_several_files_the_one_whose_radius_fits_with_its_multiplier_counts(tmp_path: Path, multiplier: str) -> None:
+    other = WHEELS.format("", "") + "  wheel_radius: 0.02\n"
+    assert "speed" in of_a_family(tmp_path, two_wheels_urdf(""), own=other).assumed
+    assert of_a_family(tmp_path, two_wheels_urdf(""), own=f"{other}  {multiplier}: 2.5\n").speed == 1.7
+
+
+def test_of_several_files_the_one_that_is_called_like_the_robot_counts(tmp_path: Path) -> None:
+    fits = WHEELS.format("", "") + "  wheel_radius: 0.05\n"
+    for name, speed in (("alpha", 1.7), ("beta", 0.7)):
+        text = two_wheels_urdf("").replace('"my-robot"', f'"{name}"')
+        assert of_a_family(tmp_path, text, alpha=fits, beta=fits.replace("1.7", "0.7")).speed == speed
+
+
 def test_of_several_files_those_that_leave_out_driven_wheels_do_not_count(tmp_path: Path) -> None:
     joints = "".join(
         f'<joint name="{end}{side}_hub"><command_interface name="velocity"/></joint>'
@@ -205,6 +227,7 @@ def test_joints_take_what_one_of_their_interfaces_says(tmp_path: Path) -> None:
     kinds = {"wheel": ("Effort", "Velocity"), "rod": ("Position",), "spring": (), "motor": ("Effort",)}
     interfaces = "<hardwareInterface>hardware_interface/{}JointInterface</hardwareInterface>"
     joints = "".join(both.format(name, "".join(map(interfaces.format, own))) for name, own in kinds.items())
+    joints += "<joint name='blank'><hardwareInterface/></joint>"
     older = controls(fromstring(f"<robot><transmission>{joints}</transmission></robot>"), tmp_path / "a.urdf")
     assert (older.rates, older.placed, older.rated_by) == ({"wheel": None}, frozenset({"rod"}), "its <transmission>")
     velocity = '<command_interface name="velocity"><param name="min">-3</param><param name="max">3</param>'

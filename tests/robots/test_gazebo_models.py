@@ -164,6 +164,7 @@ def test_plugins_of_nested_models_name_what_they_named_in_a_flat_model(tmp_path:
 def test_a_drive_in_gazebo_sim_finds_joints_of_nested_models(tmp_path: Path) -> None:
     robot = read(tmp_path, in_a_nested_model(two_wheels(GZ)).replace('version="1.6"', 'version="1.8"'))
     assert robot.drive.joints == ("inner::left_hub", "inner::right_hub")
+    assert (robot.speed, robot.turn) == (0.3, 1.5)  # of its plug-in
     text = robot.model("mine", "sim")
     assert "::" not in re.sub("<plugin [^>]*>", "", text)
     model = fromstring(text)

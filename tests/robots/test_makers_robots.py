@@ -15,7 +15,7 @@ from rsegen.errors import FileError
 from rsegen.robots.drives import Wheels
 from rsegen.robots.files.controllers import Controls, controls
 from rsegen.robots.files.sdf_file import SdfRobot, from_file, is_robot_file
-from rsegen.robots.files.uris import found_package, packages_around
+from rsegen.robots.files.uris import found_package, installed, packages_around
 from rsegen.robots.files.xacro_files import with_arguments
 from rsegen.robots.lookup import robot_of
 from tests.robots.makers_robot import CONTROLLER, PACKAGE, makers_robot
@@ -142,6 +142,17 @@ def test_packages_are_found_by_their_names_in_the_workspace(tmp_path: Path, monk
     assert found_package("installed", file) == deeper / "installed"
     assert next(packages_around(file)) == file.parents[1]
     assert not list(packages_around(tmp_path / "alone.urdf"))
+
+
+def test_a_file_at_its_path_comes_before_one_that_an_installation_would_put_there(tmp_path: Path) -> None:
+    paths = [tmp_path / folder / "meshes/hull.stl" for folder in ("", "older")]
+    for path in paths:
+        path.parent.mkdir(parents=True)
+        path.touch()
+    (tmp_path / "package.xml").write_text(PACKAGE.format("rover_description"))
+    assert installed(paths[0]) == paths[0]
+    paths[0].unlink()
+    assert installed(paths[0]) == paths[1]
 
 
 def test_a_folder_of_any_size_and_files_of_any_kind_are_passed_by(tmp_path: Path) -> None:

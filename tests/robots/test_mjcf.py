@@ -110,6 +110,8 @@ def test_axles_along_x_are_turned_across_and_that_is_said(tmp_path: Path) -> Non
         ('<motor joint="{}" gear="3" ctrlrange="-1 1" forcerange="-0.05 0.05"/>', RADIUS * 0.15 / 0.01, 0.15),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" forcerange="-0.02 0.02"/>', RADIUS * 0.02 / 0.01, 0.02),
         ('<velocity joint="{}" kv="0.5"/>', None, None),
+        ('<motor joint="{}" gear="3" forcerange="-0.05 0.05"/>', None, 0.15),  # any control
+        ('<general joint="{}" gaintype="affine" gainprm="0.05 0 0.01" ctrlrange="-1 1"/>', None, None),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4"/><!-- RUBS -->', RADIUS * (2 - 0.1) / 0.51, 2.0),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" gear="2"/>', RADIUS * 2 * 0.5 * 4 / (0.01 + 0.5 * 4), 4.0),
         ('<position joint="{}" kp="5" ctrlrange="-100 100" forcerange="-7 7"/>', None, 7.0),
@@ -424,6 +426,18 @@ def test_what_cannot_be_read_is_one_line(
     assert says.format(version=mujoco.mj_versionString()) in error
     assert error.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["robot.xml"]  # and no log of MuJoCo
+
+
+def test_a_robot_of_very_many_files_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "robot.xml"
+    for count, problem in ((100, "a scene of MuJoCo without a <body>"), (101, "includes more than 100 files")):
+        names = [f"part_{number}.xml" for number in range(count)]
+        includes = "".join(f"<include file='{name}'/>" for name in names)
+        file.write_text(f"<mujoco>{includes}</mujoco>")
+        for name in names:
+            (tmp_path / name).write_text("<mujoco><worldbody/></mujoco>")
+        with pytest.raises(FileError, match=problem):
+            from_file(file)
 
 
 def test_a_missing_mujoco_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

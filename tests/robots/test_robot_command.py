@@ -86,6 +86,9 @@ def test_what_is_assumed_is_said_and_effort_and_friction_are_the_joints(
     assert found["friction"][0] == "0.6 to 1"
     named = figures(capsys, str(file), "--wheels", "right_hub,left_hub")
     assert named["drive"] == ("left_hub and right_hub", "their names")
+    limited = text.replace('velocity="0"', 'velocity="8"')
+    file.write_text(limited)
+    assert figures(capsys, str(file), "--wheels", "left_hub,right_hub")["speed"] == ("0.4 m/s", "its joints")
     file.write_text(text.replace("<mu1>1</mu1>", "<mu1>100000</mu1>"))
     assert figures(capsys, str(file))["friction"] == (
         "1",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import atan2, inf
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from rsegen import Recipe
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.drives import BACKENDS, Tracks
-from rsegen.robots.links import posed
+from rsegen.robots.drives import BACKENDS, Tracks, Wheels
+from rsegen.robots.links import Box, Cylinder, Solid, Sphere, posed
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.wire import parse_text
 
@@ -132,6 +133,31 @@ def test_belts_are_commanded_as_their_plug_in_does(simulator: str) -> None:
     assert centre == pytest.approx(at)
     speeds, (centre,) = told(0.3, 0.0)
     assert (set(speeds.values()), centre) == ({0.3}, (inf,) * 3)
+
+
+@pytest.mark.parametrize(("slip", "spread"), [(1.0, 1.0), (1.5, 1.0), (1.0, 1.25)])
+def test_a_command_to_classic_turns_a_robot_of_wheels_at_the_rate_that_is_asked_for(slip: float, spread: float) -> None:
+    """Its DiffDrive has the wheels at their joints, and a robot that slips turns like one of wider set wheels."""
+    drive = Wheels(left=("l",), right=("r",), separation=0.3, radius=0.05, speed=1, turn=2, slip=slip, spread=spread)
+    told: Any = parse_text(drive.classic_command("one", 0.2, -1.2).text)
+    yaw = 2 * atan2(float(told["orientation"]["z"]), float(told["orientation"]["w"]))
+    difference = yaw * drive.separation * spread  # of the speeds of the wheels
+    assert difference / (drive.separation * slip) == pytest.approx(-1.2)
+    assert float(told["position"]["x"]) == 0.2
+
+
+@pytest.mark.parametrize("solid", [Box(size=(0.3, 0.2, 0.5)), Cylinder(radius=0.2, length=0.7), Sphere(radius=0.4)])
+def test_moments_of_a_solid_are_those_of_its_points(solid: Solid) -> None:
+    points = np.moveaxis(np.indices((100,) * 3), 0, -1).reshape(-1, 3) / 100 - 0.495
+    x, y, z = points.T
+    if isinstance(solid, Box):
+        is_inside = (abs(points) < np.array(solid.size) / 2).all(axis=1)
+    elif isinstance(solid, Cylinder):
+        is_inside = (np.hypot(x, y) < solid.radius) & (abs(z) < solid.length / 2)
+    else:
+        is_inside = np.linalg.norm(points, axis=1) < solid.radius
+    squares = (points[is_inside] ** 2).mean(axis=0)
+    assert solid.moments(3.0) == pytest.approx(3.0 * (squares.sum() - squares), rel=0.01)
 
 
 @ROBOT

@@ -499,6 +499,15 @@ def test_joints_on_frames_hang_on_the_links_to_which_these_are_attached(tmp_path
     assert frames_of.axis("left_hub") == pytest.approx((0, 1, 0))
 
 
+def test_a_frame_of_a_joint_is_attached_to_the_link_that_the_joint_turns(tmp_path: Path) -> None:
+    cap = (
+        "<frame name='rim' attached_to='left_hub'/><link name='cap'/>"
+        "<joint name='bolt' type='fixed'><parent>rim</parent><child>cap</child></joint>"
+    )
+    robot = read(tmp_path, two_wheels(ROS_1, "1.9").replace("</model>", f"{cap}</model>"))
+    assert ModelFrames(ElementTree.fromstring(robot.text), "test").parent("bolt") == "left_wheel"
+
+
 @pytest.mark.parametrize("frames", ["<frame name='a' attached_to='b'/><frame name='b' attached_to='a'/>"])
 def test_frames_that_are_attached_to_themselves_are_refused(tmp_path: Path, frames: str) -> None:
     text = two_wheels(version="1.9").replace("<child>left_wheel", "<child>a").replace("</model>", f"{frames}</model>")
@@ -539,6 +548,17 @@ def test_wheels_that_are_too_light_for_a_drive_without_torque_are_named(
     newtons = 2 * float(moment) * robot.driving_speed / (0.05**2 * 0.001)
     assert all(f"they push with {newtons:.3g} N at 0.2 m/s, and the robot weighs 33.4 N" in note for note in notes)
     assert not any("its wheels are light" in note for note in robot.notes("sim"))
+
+
+@pytest.mark.parametrize(("moment", "is_light"), [("1e-6", True), ("5e-2", False)])
+def test_the_moment_of_a_wheel_is_about_its_axis_however_its_inertial_is_turned(
+    tmp_path: Path, moment: str, *, is_light: bool
+) -> None:
+    turned = f"<inertial><pose>0 0 0 {math.pi / 2} 0 0</pose><mass>0.2</mass>"  # its y is the z of the wheel
+    text = two_wheels(ROS_1).replace("<inertial><mass>0.2</mass>", turned)
+    text = text.replace("<iyy>0.0005</iyy>", f"<iyy>{moment}</iyy>")
+    assert text.count(turned) == text.count(f"<iyy>{moment}</iyy>") == 2
+    assert bool(read(tmp_path, text).light_wheels) is is_light
 
 
 def test_enough_inertia_for_a_drive_without_torque_is_enough(tmp_path: Path) -> None:

@@ -23,6 +23,15 @@ def test_the_table_has_a_row_for_each_spot(capsys: pytest.CaptureFixture[str]) -
     ]
 
 
+def test_spots_are_on_the_map_that_is_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "two.yaml"
+    file.write_text("{maps: 2, seed: 3, unit_cm: 1, obstacles: [{kind: random, levels: 2}]}")
+    assert main(["spots", str(file), "--map", "1", "--seed", "7", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (spot,) = rsegen.spots(file, map=1, seed=7)
+    assert (found["map"], found["spots"][0]["x"], found["spots"][0]["z"]) == ("rse_0001", spot.x, spot.z)
+
+
 def test_programs_get_a_list_and_people_a_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "spots.png"
     words = ["spots", "turtlebot", "--size", "0.3,0.2", "--max-tilt", "1", "--seed", "7"]

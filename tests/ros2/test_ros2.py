@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Recipe, Scene, compose
+from rsegen import ExportedMap, Recipe, Scene, compose, export_maps
 from rsegen.gazebo import MESH_TYPES
 from rsegen.heights.base import imported
 from rsegen.heights.image import OccupancyImage
@@ -214,14 +214,25 @@ def test_elevation_and_friction_are_those_of_every_cell_with_ground_around(scene
     assert about["cell_size"] == field.block_width
 
 
-def test_friction_is_that_of_the_level_of_each_block(tmp_path: Path) -> None:
-    folder, field = written(SLIPPERY, tmp_path) / "maps" / SLIPPERY.name, SLIPPERY.field
+def test_a_map_of_tiny_blocks_has_500_cells_of_ground_around(tmp_path: Path) -> None:
+    scene = compose(Recipe(chunk_size=2, boundary="none", block_width_cm=0.1, unit_cm=0.1))
+    folder = written(scene, tmp_path) / "maps" / scene.name
+    assert np.load(folder / "elevation.npy").shape == (1002, 1002)
+    assert (folder / "map.pgm").read_bytes().startswith(b"P5\n1002 1002\n")
+
+
+FRAMED = Recipe(seed=3, chunk_size=4, level_friction=(0.3, 1.0, 0.6), obstacles=[rsegen.Random(levels=3)])
+
+
+@pytest.mark.parametrize("scene", [SLIPPERY, compose(FRAMED)], ids=["bare", "framed"])
+def test_friction_is_that_of_the_level_of_each_block_and_of_the_frame(scene: Scene, tmp_path: Path) -> None:
+    folder, field = written(scene, tmp_path) / "maps" / scene.name, scene.field
     margin = round(2 / field.block_width + 0.499)
     friction = np.load(folder / "friction.npy")[margin:-margin, margin:-margin]
     for i, j in np.ndindex(field.shape):
         level = 0 if field.frame[i, j] else int(field.levels[i, j])
         on_ground = level == 0 and not field.frame[i, j]
-        expected = SLIPPERY.friction if on_ground else SLIPPERY.friction_of(level)
+        expected = scene.friction if on_ground else scene.friction_of(level)
         assert friction[i, j] == np.float32(expected)
     assert len(np.unique(friction)) > 1
 
@@ -273,6 +284,16 @@ def test_a_joined_package_is_kept_or_replaced_whole(tmp_path: Path, capsys: pyte
     (tmp_path / "fields" / "package.xml").write_text("mine")
     assert exit_code("export", "peak", "--seed", "4", *to, "--force") == 2
     assert "was changed after rsegen wrote it" in the_line(capsys.readouterr().err)
+
+
+def test_progress_of_a_joined_package_is_that_of_its_maps(tmp_path: Path) -> None:
+    told: list[ExportedMap] = []
+    maps = [Recipe(name=name, chunk_size=2, boundary="none") for name in ("one", "two")]
+    made = export_maps(maps, tmp_path, [Ros2(package="fields")], progress=told.append)
+    assert tuple(told) == made
+    assert [f"recipes/{name}_0000.json" in each.names for name, each in zip(("one", "two"), told, strict=True)] == [
+        True
+    ] * 2
 
 
 def test_worlds_have_no_joined_package_next_to_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -94,6 +94,7 @@ class ANode(Stand):
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
         super().__init__(*arguments, **named)
+        assert "executable" in named  # launch_ros has no default for it
         for values in named.get("parameters", []):
             for value in values.values() if isinstance(values, dict) else ():
                 # launch_ros reads text as YAML: that of a path may be cut off at " #".

@@ -169,7 +169,7 @@ def filled(heights: Array, holes: Mask) -> Array:
     missing = np.argwhere(holes)
     while len(missing):
         padded = np.pad(complete, 1, constant_values=np.nan)
-        around = [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+        around = [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3)]  # and itself: nan
         medians = lower_medians(np.stack(around, axis=1))
         known = ~np.isnan(medians)
         complete[tuple(missing[known].T)] = medians[known]

@@ -116,8 +116,8 @@ def posterior(u: Sequence[float] | Array, crossed: Sequence[bool] | Mask, low: f
     # Trials at one place count together, as there are far fewer places than trials. First the coarse grid, then the
     # fine one over the middles that have all but `_LEFT_OUT` of the posterior at either end.
     places, which = np.unique(np.asarray(u, float), return_inverse=True)
-    crossings = np.bincount(which, np.asarray(crossed, float), len(places)).astype(float)
-    misses = np.bincount(which, minlength=len(places)).astype(float) - crossings
+    crossings = np.bincount(which, np.asarray(crossed, float)).astype(float)
+    misses = np.bincount(which).astype(float) - crossings
     middles = np.arange(low - _BEYOND, high + _BEYOND + _COARSE, _COARSE)
     mass = _weights(places, crossings, misses, middles).sum((1, 2))
     until = np.cumsum(mass)

@@ -116,7 +116,7 @@ def run_spots(arguments: argparse.Namespace) -> Report:
         values = {"seed": fresh_seed()} | given(spots, arguments)
         target = target_of(arguments, () if arguments.target is None else ("seed",))
         scene = world_of(target, arguments.map).scene()
-        places = spots(scene, **{name: value for name, value in values.items() if name != "map"})
+        places = spots(scene, **values)
         if picture:
             size, robot = values.get("size"), values.get("robot", default(spots, "robot"))
             outline = Outline.of(body_of_size(*size) if size else robot_of(robot).body_or_box)

@@ -308,10 +308,24 @@ def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
 
 def test_with_more_room_than_usual_lanes_are_level() -> None:
     made = recipe(boundary="none", chunk_size=6, unit_cm=0.1, crossable_by="burger", crossable_room=2)
-    report = constraint_report(rsegen.compose(made))["crossable_by"]
+    usual = rsegen.compose(replace(made, crossable_room=1))
+    reports = [constraint_report(scene) for scene in (rsegen.compose(made), usual)]
+    report = reports[0]["crossable_by"]
     assert report["roughness"]["on_ways"] == {"mean_step": 0.0, "level_0": 1.0}
     assert report["lowered"]["blocks"] == report["lowered"]["to_level_0"] > 0
-    assert constraint_report(rsegen.compose(replace(made, crossable_room=1)))["crossable_by"]["lowered"]["blocks"] == 0
+    assert reports[1]["crossable_by"]["lowered"]["blocks"] == 0
+    across = "by its poses, the burger can get across from west to east and from south to north"
+    driven = "; rsegen predict drives it, and says how surely"
+    assert f"{across}, on level lanes{driven}" in list(describe_constraints(rsegen.compose(made), reports[0]))
+    assert f"{across}{driven}" in list(describe_constraints(usual, reports[1]))
+
+
+def test_a_path_of_steps_is_said_without_a_robot() -> None:
+    scene = rsegen.compose(recipe(boundary="none", chunk_size=6, unit_cm=1, crossable_by=(2, 2, 10)))
+    path = (
+        "a path of steps of 2 cm up and 2 cm down, 10 cm wide, leads across from west to east and from south to north"
+    )
+    assert path in list(describe_constraints(scene, constraint_report(scene)))
 
 
 @pytest.mark.slow
