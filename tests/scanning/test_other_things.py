@@ -15,7 +15,7 @@ from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning.commands import _doubt, _width
-from rsegen.scanning.evidence import CERTAIN, bits_saved, cells_per_block, stepped_lines, steps_by_line
+from rsegen.scanning.evidence import CERTAIN, bits_saved, cells_per_block, lines_of, stepped_lines
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.levels import board_below, units_per_level
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
@@ -247,10 +247,10 @@ def scan_of(levels: Ints, confidence: float = 1.0) -> Scan:
 
 def test_a_line_between_cells_has_the_steps_between_levels_that_are_sure() -> None:
     scan = scan_of(np.array([[1, 1, 2], [1, 1, 1]]))
-    along_x, along_y = steps_by_line(scan)
+    along_x, along_y = (lines.steps for lines in lines_of(scan))
     assert (along_x.tolist(), along_y.tolist()) == ([3, 1, 3], [2, 0, 1, 2])
     unsure = replace(scan, confidence=np.array([[1, 1, 0.9], [1, 1, 1]]))
-    along_x, along_y = steps_by_line(unsure)
+    along_x, along_y = (lines.steps for lines in lines_of(unsure))
     assert (along_x.tolist(), along_y.tolist()) == ([2, 0, 3], [2, 0, 0, 1])
 
 

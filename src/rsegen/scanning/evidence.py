@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import Ints
+from rsegen.field.stepfield import Ints, Mask
 from rsegen.scanning.scan import SURE, Scan
 
 _PLACES = 5
@@ -30,8 +30,8 @@ _OF_GRID = 3
 """Places that a grid has by itself: its origin along x and y, and its width; its heading is that of any side."""
 
 _OF_LINE, _OF_SHORT_LINE = 2, 0.25
-"""Steps that a line has at the least, or share of its cells: a single one of many may be at a cell that has something
-else on top."""
+"""Steps that a line has at the least, or share of its pairs of cells: a single one of many may be at a cell that has
+something else on top."""
 
 _MOST_BETWEEN = 0.03
 """Share of the steps that may be at lines between those of wider blocks: at cells that were misread."""
@@ -48,11 +48,28 @@ _FEWEST_WIDE = 4
 """Lines along x and y with steps, at the least, of which the width of blocks is read: two are those of a box."""
 
 
-def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
-    """Return the number of steps at each line between cells along x (n_x + 1,), and along y; between sure levels."""
-    tops, sure = np.pad(scan.tops, 1), np.pad(scan.confidence >= SURE, 1, constant_values=True)  # with the floor around
+class Lines(NamedTuple):
+    """Lines between the cells of a scan, along x and then along y, (n,) each: pairs of cells across them whose levels
+    are sure, and steps, which are pairs of two levels.
+    """
+
+    pairs: Ints
+    steps: Ints
+
+    @property
+    def has_steps(self) -> Mask:
+        """Whether a line has steps, and not just a cell or two that have something else on top."""
+        return self.steps >= np.clip(_OF_SHORT_LINE * self.pairs, 1, _OF_LINE)
+
+
+def lines_of(scan: Scan) -> tuple[Lines, Lines]:
+    """Return the lines across x, n_x + 1 of them, and those across y, with the floor around."""
+    tops, sure = np.pad(scan.tops, 1), np.pad(scan.confidence >= SURE, 1, constant_values=True)
     along_x, along_y = (
-        ((levels[1:] != levels[:-1]) & known[1:] & known[:-1]).sum(axis=1)
+        Lines(
+            pairs=(known[1:] & known[:-1]).sum(axis=1),
+            steps=((levels[1:] != levels[:-1]) & known[1:] & known[:-1]).sum(axis=1),
+        )
         for levels, known in ((tops, sure), (tops.T, sure.T))
     )
     return along_x, along_y
@@ -60,16 +77,14 @@ def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
 
 def bits_saved(scan: Scan) -> float:
     """Return the bits by which the lines of the grid describe the places of steps more shortly than a list of them."""
-    along_x, along_y = steps_by_line(scan)
-    n_x, n_y = scan.levels.shape
-    has_steps = np.concatenate(
-        [along_x >= min(_OF_LINE, _OF_SHORT_LINE * n_y), along_y >= min(_OF_LINE, _OF_SHORT_LINE * n_x)]
-    )
+    lines = lines_of(scan)
+    has_steps = np.concatenate([own.has_steps for own in lines])
+    seen = np.concatenate([own.pairs > 0 for own in lines])
     # A list names the place of each line with steps, along a side of half the lines; the grid asks yes or no of each.
     place = log2(_PLACES * len(has_steps) / 2)
-    share = float(has_steps.mean())
+    share = float(has_steps[seen].mean()) if seen.any() else 0.0
     entropy = -sum(part * log2(part) for part in (share, 1 - share) if part)
-    return float(has_steps.sum() - _OF_GRID) * place - len(has_steps) * entropy
+    return float(has_steps.sum() - _OF_GRID) * place - int(seen.sum()) * entropy
 
 
 _MIXED = 0.2
@@ -106,14 +121,12 @@ def stepped_lines(scan: Scan) -> SteppedLines:
     whole centimetres; of blocks that abut, nearly every line has two neighbours that differ. What breaks it: a field of
     few obstacles has long flat tops too, so a low confidence does not say that there is no field.
     """
-    tops, sure = scan.tops, scan.confidence >= SURE
     stepped = seen = touching = 0
-    for levels, known, steps in zip((tops, tops.T), (sure, sure.T), steps_by_line(scan), strict=True):
-        pairs = known[1:] & known[:-1]
-        of_line = pairs.sum(axis=1)
-        seen += int((of_line > 0).sum())
-        stepped += int((steps[1:-1] >= np.clip(_OF_SHORT_LINE * of_line, 1, _OF_LINE)).sum())
-        touching += int(((levels[1:] > 0) & (levels[:-1] > 0) & pairs).sum())
+    raised = (scan.tops > 0) & (scan.confidence >= SURE)
+    for lines, cells in zip(lines_of(scan), (raised, raised.T), strict=True):
+        seen += int((lines.pairs[1:-1] > 0).sum())
+        stepped += int(lines.has_steps[1:-1].sum())
+        touching += int((cells[1:] & cells[:-1]).sum())
     return SteppedLines(stepped, seen, not touching)
 
 
@@ -160,7 +173,7 @@ def rows_may_follow(scan: Scan) -> str:
 
 def cells_per_block(scan: Scan) -> int:
     """Return how many cells of a scan a block is wide: 2 if steps are at every second line along x and along y."""
-    steps = steps_by_line(scan)
+    steps = [lines.steps for lines in lines_of(scan)]
     total = sum(int(own.sum()) for own in steps)
     # Of the widths, wide ones first: the lines of the phase with most steps must have nearly all of them.
     for cells in range(min(map(len, steps)) // _FEWEST_WIDE, 1, -1):
