@@ -49,9 +49,7 @@ _FEWEST_WIDE = 4
 
 
 class Lines(NamedTuple):
-    """Lines between the cells of a scan, along x and then along y, (n,) each: pairs of cells across them whose levels
-    are sure, and steps, which are pairs of two levels.
-    """
+    """Lines of the grid along one axis: pairs of cells at them whose levels are sure, and steps between two; (n,)."""
 
     pairs: Ints
     steps: Ints
@@ -63,14 +61,12 @@ class Lines(NamedTuple):
 
 
 def lines_of(scan: Scan) -> tuple[Lines, Lines]:
-    """Return the lines across x, n_x + 1 of them, and those across y, with the floor around."""
+    """Return the n_x + 1 lines at which x changes, and the n_y + 1 at which y does, with the floor around."""
     tops, sure = np.pad(scan.tops, 1), np.pad(scan.confidence >= SURE, 1, constant_values=True)
     along_x, along_y = (
-        Lines(
-            pairs=(known[1:] & known[:-1]).sum(axis=1),
-            steps=((levels[1:] != levels[:-1]) & known[1:] & known[:-1]).sum(axis=1),
-        )
-        for levels, known in ((tops, sure), (tops.T, sure.T))
+        Lines(pairs=pairs.sum(axis=1), steps=(pairs & (levels[1:] != levels[:-1])).sum(axis=1))
+        for levels, known in ((tops[:, 1:-1], sure[:, 1:-1]), (tops[1:-1].T, sure[1:-1].T))
+        for pairs in [known[1:] & known[:-1]]
     )
     return along_x, along_y
 
