@@ -57,18 +57,18 @@ class Lines(NamedTuple):
     @property
     def has_steps(self) -> Mask:
         """Whether a line has steps, and not just a cell or two that have something else on top."""
-        return self.steps >= np.clip(_OF_SHORT_LINE * self.pairs, 1, _OF_LINE)
+        return np.asarray(self.steps >= np.clip(_OF_SHORT_LINE * self.pairs, 1, _OF_LINE))
 
 
 def lines_of(scan: Scan) -> tuple[Lines, Lines]:
     """Return the n_x + 1 lines at which x changes, and the n_y + 1 at which y does, with the floor around."""
     tops, sure = np.pad(scan.tops, 1), np.pad(scan.confidence >= SURE, 1, constant_values=True)
-    along_x, along_y = (
-        Lines(pairs=pairs.sum(axis=1), steps=(pairs & (levels[1:] != levels[:-1])).sum(axis=1))
-        for levels, known in ((tops[:, 1:-1], sure[:, 1:-1]), (tops[1:-1].T, sure[1:-1].T))
-        for pairs in [known[1:] & known[:-1]]
-    )
-    return along_x, along_y
+    return _lines(tops[:, 1:-1], sure[:, 1:-1]), _lines(tops[1:-1].T, sure[1:-1].T)
+
+
+def _lines(levels: Ints, known: Mask) -> Lines:
+    pairs = known[1:] & known[:-1]
+    return Lines(pairs=pairs.sum(axis=1), steps=(pairs & (levels[1:] != levels[:-1])).sum(axis=1))
 
 
 def bits_saved(scan: Scan) -> float:
