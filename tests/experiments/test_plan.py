@@ -210,10 +210,10 @@ def test_a_changed_file_of_a_robot_is_another_plan(jackal_file: str) -> None:
 
 
 def test_a_row_names_its_obstacles_by_their_kinds() -> None:
-    row = TableRow(
-        recipe={"obstacles": [{"kind": "peak", "levels": 3}, {"kind": "random", "levels": 3}], "mesh": "blocks"}
-    )
-    assert row.label == "3 burger, unit 0.3 cm, 3 levels, obstacles peak and random, mesh blocks"
+    obstacles = [{"kind": "peak", "levels": 7}, {"kind": "random", "levels": 3}]
+    row = TableRow(maps="horizontal_barrier", sizes=(10,), recipe={"obstacles": obstacles, "mesh": "blocks"})
+    assert row.label == "3 burger, unit 0.3 cm, obstacles peak and random, mesh blocks"
+    assert row.robots_and_maps == "3 burger, unit 0.3 cm"
 
 
 def test_a_plan_in_two_simulators_has_each_row_in_both_and_a_table_of_both() -> None:
@@ -257,6 +257,10 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
         ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
         ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of these"),
         ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),
+        ("rows: [{recipe: {chunks: 4}}]", "rows[0].recipe: chunks follows from the sizes of the row; leave it out"),
+        ("rows: [{recipe: {chunk_size: 5}}]", "rows[0].recipe: chunk_size follows from the sizes of the row"),
+        ("rows: [{recipe: {unit_cm: 5}}]", "rows[0].recipe: unit_cm follows from that of the row; leave it out"),
+        ("rows: [{recipe: {seed: 3}}]", "rows[0].recipe: seed follows from that of the plan, plus 1 for each repeat"),
         ("rows: [{recipe: {mesh_type: mutli}}]", "rows[0].recipe.mesh_type: 'mutli' is not one of"),
     ],
 )

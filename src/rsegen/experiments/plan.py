@@ -68,6 +68,15 @@ KINDS_OF_MAPS = ("random", *_SINGLE, LARGER)
 """Words for the maps of a row: random blocks, a single obstacle, or several."""
 
 
+_OF_THE_ROW = {
+    "chunk_size": "the sizes of the row",
+    "chunks": "the sizes of the row",
+    "unit_cm": "that of the row",
+    "seed": "that of the plan, plus 1 for each repeat",
+}
+"""Parameters that a row's recipe may not have: tables would name other maps than those that are driven on."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TableRow:
     """Robots of a kind, or of a file, on maps of several sizes; `recipe` holds more parameters of these maps.
@@ -99,7 +108,12 @@ class TableRow:
     def __post_init__(self) -> None:
         validate(self)
         if not isinstance(self.recipe, Mapping | None):
-            raise ParameterError("recipe", f"{shown(self.recipe)} is not parameters of a recipe, such as {{chunks: 2}}")
+            raise ParameterError(
+                "recipe", f"{shown(self.recipe)} is not parameters of a recipe, such as {{collision: boxes}}"
+            )
+        for key, here in _OF_THE_ROW.items():
+            if key in (self.recipe or {}):
+                raise ParameterError("recipe", f"{key} follows from {here}; leave it out")
         for size in self.sizes:
             if size % _BLOCKS:
                 raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
@@ -151,7 +165,10 @@ class TableRow:
     @property
     def robots_and_maps(self) -> str:
         """The robots of the row and the obstacles of its maps, in a few words."""
-        robots = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
+        robots = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm"
+        if "obstacles" in (self.recipe or {}):
+            return robots  # they have levels of their own, and stand in place of `maps`
+        robots += f", {self.levels} levels"
         return robots if self.maps == "random" else f"{robots}, {self.maps.replace('_', ' ')}"
 
     def differs_by_simulator(self, other: TableRow) -> bool:
