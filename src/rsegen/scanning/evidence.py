@@ -56,7 +56,7 @@ class Lines(NamedTuple):
 
     @property
     def has_steps(self) -> Mask:
-        """Whether a line has steps, and not just a cell or two that have something else on top."""
+        """The lines that have steps, (n,), and not just a cell or two that have something else on top."""
         return np.asarray(self.steps >= np.clip(_OF_SHORT_LINE * self.pairs, 1, _OF_LINE))
 
 
