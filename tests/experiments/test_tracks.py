@@ -72,6 +72,26 @@ def test_a_map_without_room_leaves_complete_trials_and_says_so(
         rsegen.experiment(PLAN, tmp_path / "costs", simulator="mujoco")
 
 
+def test_progress_is_that_of_the_trials_that_are_made(
+    trial: Trial, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those that are kept of an earlier call were shown again, as if they ran anew."""
+    calls, told = count(), list[int]()
+
+    def run_trial(*_: object) -> Trial:
+        if next(calls) == 1:
+            raise KeyboardInterrupt
+        return trial
+
+    monkeypatch.setattr(run, "run_trial", run_trial)
+    with pytest.raises(KeyboardInterrupt):
+        rsegen.experiment(PLAN, tmp_path / "costs", simulator="mujoco", progress=lambda done, _: told.append(done))
+    assert told == [0, 1]
+    for _ in range(2):  # the second time nothing is left to do
+        rsegen.experiment(PLAN, tmp_path / "costs", simulator="mujoco", progress=lambda done, _: told.append(done))
+        assert told == [0, 1, 1]
+
+
 def test_outcomes_are_in_the_order_of_their_repeats(trial: Trial) -> None:
     """A line of the journal that was deleted is made again behind the others."""
     first, second = trial.outcome, replace(trial.outcome, speed=2)

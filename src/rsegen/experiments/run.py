@@ -116,20 +116,21 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
         done = read_entries(store.journal.content, folder, len(plan.rows))
         store.announce_files([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
         earlier = len(done)
-        for position, (cell, repeat) in enumerate(plan.order()):
-            progress(position, cell)
-            if (cell, repeat) not in done:
-                # First the tracks of a trial are written, then its outcome: a trial in the journal has its files.
-                try:
-                    with _errors_of(source, NoSpot):
-                        trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
-                    if files := track_files(plan, cell, repeat, trial):
-                        store.put(files, force=True, holds=HOLDS)
-                    store.note(journal_entry(cell, repeat, trial.outcome))
-                    done[cell, repeat] = trial.outcome
-                except (KeyboardInterrupt, UserError) as error:
-                    complete = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
-                    raise _ended(error, complete, done, earlier) from None
+        for cell, repeat in plan.order():
+            if (cell, repeat) in done:
+                continue
+            progress(len(done), cell)
+            # First the tracks of a trial are written, then its outcome: a trial in the journal has its files.
+            try:
+                with _errors_of(source, NoSpot):
+                    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
+                if files := track_files(plan, cell, repeat, trial):
+                    store.put(files, force=True, holds=HOLDS)
+                store.note(journal_entry(cell, repeat, trial.outcome))
+                done[cell, repeat] = trial.outcome
+            except (KeyboardInterrupt, UserError) as error:
+                complete = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
+                raise _ended(error, complete, done, earlier) from None
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
