@@ -198,6 +198,16 @@ def test_the_help_of_a_command_has_options_last_and_none_that_are_required_among
     assert "-o " not in options.split("\n\n")[0] or command in ("examples", "drive", "experiment", "spawn", "respawn")
 
 
+@pytest.mark.parametrize("command", ["", *commands()])
+def test_helps_fit_narrow_terminals(
+    command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = helped(capsys, *command.split()).splitlines()
+    assert len(lines) > 10
+    assert [line for line in lines if len(line) > 60] == []
+
+
 def test_a_default_is_printed_once_and_none_is_omitted(capsys: pytest.CaptureFixture[str]) -> None:
     text = " ".join(helped(capsys, "generate").split())
     assert (

@@ -107,8 +107,8 @@ def add_output_flags(command: Parser, function: Callable[..., object] = generate
     """Add where worlds are written, and how; `function` declares the parameters of `generate` among others."""
     add_flags(command.group("output"), function, only=declared(generate))
     for kind in sidecar_kinds():
-        if kind.rows:
-            command.add_rows(*kind.rows)
+        if kind.help_text:
+            command.add_paragraph(*kind.help_text)
 
 
 def run_generate(arguments: argparse.Namespace) -> Report:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from rsegen.errors import did_you_mean, line_of, shown
 
 if TYPE_CHECKING:
-    from rsegen.params.command import HelpRows
+    from rsegen.params.command import HelpText
 
 FLAG = "--plugin"
 VARIABLE = "RSEGEN_PLUGINS"
@@ -59,7 +59,8 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         self.groups: list[Group] = []
         self._own: list[argparse.Action] = []
-        self._rows: list[HelpRows] = []
+        self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
+        self._paragraphs: list[HelpText] = []
         self._more: Callable[[], str] = str
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         # As Python has it from 3.14 on: what begins with a negative number is no flag, such as -1,0 and -1e-3.
@@ -99,6 +100,10 @@ class Parser(argparse.ArgumentParser):
         """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
+    def add_paragraph(self, title: str, text: Callable[[], str]) -> None:
+        """Add a text under a title to the help; `text` is called when the help is shown."""
+        self._paragraphs.append((title, text))
+
     def describe_flags(self) -> None:
         """Give the flags of declared parameters what help, shells and forms show of them, and parsing does not need."""
         for action in self.actions:
@@ -120,6 +125,7 @@ class Parser(argparse.ArgumentParser):
             ("positional arguments", None, arguments),
             *groups,
             *names,
+            *[(title, text(), []) for title, text in self._paragraphs],
             ("options", None, options),
         ]:
             formatter.start_section(title)

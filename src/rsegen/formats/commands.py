@@ -16,7 +16,7 @@ from rsegen.cli.generate import SHOWN, going_on, run_options
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counting
-from rsegen.formats.parameters import EXPLAINED, FormatList, listed, row_of_names
+from rsegen.formats.parameters import FormatList, listed, names_in_help
 from rsegen.params.command import Shell, add_flags, command
 from rsegen.params.numbers import counted
 from rsegen.params.sorts import FilePath, Integer, Reference
@@ -127,7 +127,7 @@ def add_export(command: Parser) -> None:
     add_target_flags(command, "all")
     command.add_argument("--list", action=_List, nargs=0, help="explain each format and its options")
     add_flags(command.group("output"), export_maps)
-    command.add_rows(f"formats for --to ({EXPLAINED})", row_of_names)
+    command.add_paragraph("formats for --to", names_in_help)
     add_target_recipe_flags(command)
 
 

@@ -92,15 +92,13 @@ Formats = Annotated[
 ]
 
 
-def row_of_names() -> list[tuple[str, str]]:
-    """Return the names of all formats, as one row of a help."""
-    return [(", ".join(offered_names("rsegen.formats", "rsegen.formats")), "")]
+def names_in_help() -> str:
+    """Return the names of all formats, as a help lists them."""
+    names = ", ".join(offered_names("rsegen.formats", "rsegen.formats"))
+    return f"{names}; rsegen export --list explains them and their options"
 
 
-EXPLAINED = "rsegen export --list explains them and their options"
-"""Words of a help that lists the names of formats."""
-
-ROWS = (f"formats for --formats ({EXPLAINED})", row_of_names)
+HELP_TEXT = ("formats for --formats", names_in_help)
 """Names of formats in the help of commands that write worlds, under their title."""
 
 

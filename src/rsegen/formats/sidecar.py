@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, ClassVar
 
 from rsegen.errors import ParameterError
-from rsegen.formats.parameters import ROWS, Formats
+from rsegen.formats.parameters import HELP_TEXT, Formats
 from rsegen.input_files import open_regular
 from rsegen.params.sorts import Json
 from rsegen.writing.sidecars import Sidecar
@@ -18,7 +18,7 @@ from rsegen.writing.sidecars import Sidecar
 if TYPE_CHECKING:
     from rsegen.formats.base import Format
     from rsegen.gazebo import Bundle
-    from rsegen.params.command import HelpRows
+    from rsegen.params.command import HelpText
     from rsegen.recipe.recipe import Recipe
     from rsegen.scene.scene import Scene
     from rsegen.writing.resources import InMemory
@@ -34,7 +34,7 @@ class FormatFiles(Sidecar):
     name: ClassVar[str] = "formats"
     parameter: ClassVar[object] = Formats
     default: ClassVar[object] = ()
-    rows: ClassVar[HelpRows | None] = ROWS
+    help_text: ClassVar[HelpText | None] = HELP_TEXT
 
     formats: tuple[Format, ...]
 

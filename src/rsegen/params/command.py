@@ -30,8 +30,8 @@ from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints,
 P = ParamSpec("P")
 R = TypeVar("R")
 
-HelpRows = tuple[str, Callable[[], Iterable[tuple[str, str]]]]
-"""A title in a help, and a function that returns names under it, each with its explanation, when the help is shown."""
+HelpText = tuple[str, Callable[[], str]]
+"""A title in a help, and a function that returns the text under it when the help is shown."""
 
 
 @dataclass(frozen=True, slots=True)

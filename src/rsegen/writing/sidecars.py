@@ -16,7 +16,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from rsegen.params.capabilities import hooks
-from rsegen.params.command import HelpRows, declare
+from rsegen.params.command import HelpText, declare
 from rsegen.params.registry import is_own
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
@@ -60,8 +60,8 @@ class Sidecar(ABC):
     default: ClassVar[object] = False
     """The value of the parameter with which there are none."""
 
-    rows: ClassVar[HelpRows | None] = None
-    """Rows of names that the help of a command that writes worlds has for it, and their title."""
+    help_text: ClassVar[HelpText | None] = None
+    """The title of a paragraph in the help of commands that write worlds, and what makes its text."""
 
     @classmethod
     def of(cls, value: Any) -> Sidecar:
