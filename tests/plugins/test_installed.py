@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 import importlib.util
 import json
+import re
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
+import rsegen
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from tests.plugins.installed import DEMO, EAGER, RAMP, STEPS, done, install, refused, run
@@ -223,6 +226,41 @@ def test_a_rating_is_not_continued_with_another_version_of_the_robot(tmp_path: P
 
 def test_a_simulator_is_opened_by_its_name_if_it_is_there(packages: Path, worlds: Path) -> None:
     assert "Pencil and Paper" in refused("open", worlds, "--simulator", "paper", packages=packages)
+
+
+def test_a_simulator_in_this_process_drives_where_it_is_named_alone(packages: Path, tmp_path: Path) -> None:
+    command = ["drive", "peak", "--seed", "1", "--json", "-q", "-o"]
+    named = json.loads(done(*command, tmp_path / "air", "--simulator", "air", packages=packages))
+    usual = json.loads(done(*command, tmp_path / "usual", packages=packages))
+    assert named["simulator"] == "Thin Air 1"
+    assert named["notes"] == ["In Thin Air blocks have no weight."]
+    (robot,) = named["robots"]
+    assert robot["crossed"]
+    assert robot["distance"] == pytest.approx(0.22 * robot["seconds"], abs=0.01), "nothing stops a Burger there"
+    assert usual["simulator"] == f"MuJoCo {version('mujoco')}", "though air is before it in the alphabet"
+    assert usual["robots"][0]["crossed"] is None
+
+
+def test_a_simulator_of_many_worlds_drives_over_all_maps(packages: Path, tmp_path: Path) -> None:
+    command = ["drives", "peak", "--maps", "3", "--simulator", "air_batch", "--json", "-q"]
+    found = json.loads(done(*command, "-o", tmp_path / "drives", packages=packages))
+    assert (found["simulator"], found["crossed"], found["drives"]) == ("Much Thin Air", 3, 3)
+
+
+def test_there_is_a_plug_in_of_each_sort_and_the_manual_names_all() -> None:
+    house = Path(rsegen.__file__).parent
+    groups = {
+        group
+        for file in house.rglob("*.py")
+        for group in re.findall(r'\bgroup="(rsegen\.\w+)"', file.read_text("utf-8"))
+    }
+    groups.add("rsegen.capabilities")
+    assert len(groups) > 8
+    assert groups == set(
+        re.findall(r'^\[project\.entry-points\."(.+)"\]', (DEMO / "pyproject.toml").read_text("utf-8"), re.M)
+    )
+    manual = (house.parents[1] / "docs" / "plugins.md").read_text("utf-8")
+    assert groups == set(re.findall(r"^\| `(rsegen\.\w+)` \|", manual, re.M))
 
 
 def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:

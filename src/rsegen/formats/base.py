@@ -24,7 +24,7 @@ from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.codec import map_json
 from rsegen.scene.scene import Scene
-from rsegen.writing.sidecars import READING, RESERVED_FLAGS
+from rsegen.writing.sidecars import READING, RESERVED_FLAGS, files_of
 
 Step = Literal["build", "measure", "surface", "mesh"]
 """A step of making a map, by its memory: a field; its metrics; its surface or boxes; a watertight mesh of all of it."""
@@ -133,9 +133,7 @@ def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files that formats add to a map's own, with the list of the formats; none without formats."""
     files: dict[PurePosixPath, Iterable[bytes]] = {
-        PurePosixPath(format_.name) / path: content
-        for format_ in formats
-        for path, content in format_.files(scene).items()
+        format_.name / path: content for format_ in formats for path, content in files_of(format_, scene).items()
     }
     return files | ({PurePosixPath("formats.json"): [as_json(recorded_options(formats))]} if formats else {})
 

@@ -34,6 +34,7 @@ from rsegen.writing.execute import Execution
 from rsegen.writing.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.writing.plan import OnExisting, Output, RunPlan
 from rsegen.writing.resources import check_needs, refuse_too_large
+from rsegen.writing.sidecars import files_of
 from rsegen.writing.store import (
     new_root,
     open_store,
@@ -94,7 +95,7 @@ def export_one(
     if not path.suffix:
         names = write_folder(exported(scene, [chosen]), path, force=force)
         return Exported(path=path, format=chosen.name, files=tuple(path / name for name in names))
-    files = chosen.files(scene)
+    files = files_of(chosen, scene)
     if len(files) != 1:
         problem = f"{path} is one file, but {chosen.name} writes {len(files)} of them"
         raise ParameterError("path", f"{problem}; use a folder, without a suffix")
@@ -321,9 +322,9 @@ def export_joined(
     with open_store(home.parent, sync=sync, output=home) as store:
         root, files = new_root(store.staging), dict[str, Checksum]()
         for recipe, index in maps:
-            own = chosen.files(compose(recipe, index))
+            own = files_of(chosen, compose(recipe, index))
             bundle: Bundle = {
-                **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in own.items()},
+                **{path.relative_to(chosen.joins): content for path, content in own.items()},
                 PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
                 PurePosixPath(FORMATS_FILE): [as_json(recorded_options([chosen]))],
             }

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rsegen.errors import FileError, ParameterError, refuse_other
+from rsegen.errors import FileError, ParameterError, PluginError, refuse_other, shown
 from rsegen.input_files import first_inside
 from rsegen.params.registry import Contract, Registry, name_conflict
-from rsegen.params.sorts import CENTIMETRES, Cell, FilePath, validate
+from rsegen.params.sorts import CENTIMETRES, Cell, FilePath, parameters, validate
 from rsegen.recipe.recipe import Recipe
 from rsegen.writing.sidecars import RESERVED_FLAGS
 
@@ -211,6 +211,24 @@ class Heights:
     sides: CellSides | None = None
     metres_up: float | None = None
 
+    def __post_init__(self) -> None:
+        """Raise a ValueError for what is not as said above: importers are others' code too."""
+        import numpy as np
+
+        levels = np.asarray(self.levels)
+        if levels is not self.levels or levels.dtype.kind not in "iu" or levels.ndim != 2 or not levels.size:
+            got = f"{type(self.levels).__name__} of {levels.dtype}, of shape {levels.shape}"
+            raise ValueError(f"levels are a {got}; expected an array of integers of shape (n_x, n_y)")
+        if levels.min() < -1 or levels.max() > _HIGHEST:
+            found = f"levels are {levels.min()} to {levels.max()}"
+            raise ValueError(f"{found}; they may be 0 to {_HIGHEST}, or -1 for a cell without a block")
+        for name in ("errors_cm", "holes"):
+            array = getattr(self, name)
+            if array is not None and np.shape(array) != levels.shape:
+                raise ValueError(f"{name} has the shape {np.shape(array)}, and levels {levels.shape}")
+        if unknown := sorted(self.recipe_values.keys() - parameters(Recipe).keys()):
+            raise ValueError(f"recipe_values has {unknown[0]!r}, which is no parameter of a recipe")
+
     @property
     def unknown(self) -> int:
         """The number of cells that the file does not know."""
@@ -393,7 +411,12 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
     import numpy as np
 
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
-        return reading.read(path, unit_cm)
+        heights: object = reading.read(path, unit_cm)
+    if not isinstance(heights, Heights):
+        raise PluginError(
+            f"plug-in {reading.name}: read() gave {shown(heights)}; expected a rsegen.heights.base.Heights"
+        )
+    return heights
 
 
 def recipe_of_heights(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:

@@ -82,10 +82,13 @@ def _otherwise_called(cls: type) -> str:
             if not (getattr(method, "__isabstractmethod__", False) and inspect.isfunction(own)):
                 continue
             asked = inspect.signature(method)
+            by_name = [key for key, parameter in asked.parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]
+            in_order = [key for key in asked.parameters if key not in by_name]
             try:
-                inspect.signature(own).bind(*asked.parameters)
+                inspect.signature(own).bind(*in_order, **dict.fromkeys(by_name))
             except TypeError:
-                return f"defines {name}{inspect.signature(own)}; expected {name}({', '.join(asked.parameters)})"
+                arguments = ", ".join([*in_order, *(["*"] if by_name else []), *by_name])
+                return f"defines {name}{inspect.signature(own)}; expected {name}({arguments})"
     return ""
 
 

@@ -6,6 +6,8 @@ commands follow from that value.
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -217,11 +219,61 @@ def _checked_simulator(simulator: str) -> str:
     return simulator
 
 
+def _problem(robot: RobotOnField) -> str:
+    """Return the first thing that is wrong with a plug-in's robot; an empty text if nothing is."""
+    problems = (_wrong_texts, _wrong_links, _wrong_drive, _wrong_numbers)
+    return next((text for find in problems for text in find(robot)), "") if isinstance(robot, Robot) else ""
+
+
+def _wrong_texts(robot: Robot) -> Iterator[str]:
+    for name in ("kind", "title", "source"):
+        if not isinstance(getattr(robot, name), str) or not getattr(robot, name):
+            yield f"has {shown(getattr(robot, name))} as its {name}; expected a text"
+
+
+def _wrong_links(robot: Robot) -> Iterator[str]:
+    """Yield what keeps links from being a tree: each but the first hangs on one joint, and all hang on the first."""
+    names = [*(link.name for link in robot.links), *(joint.name for joint in robot.joints)]
+    if not robot.links:
+        yield "has no links"
+    for name, count in Counter(names).items():
+        if count > 1:
+            yield f"has {count} links or joints named {shown(name)}"
+    first = robot.links[0].name
+    carried, children = {first, *_carried_by(first, robot.joints)}, Counter(joint.child for joint in robot.joints)
+    for link in robot.links:
+        if link.name not in carried or children[link.name] != (link.name != first):
+            yield f"does not hold its link {shown(link.name)} by one joint, and others, on its first link"
+
+
+def _wrong_drive(robot: Robot) -> Iterator[str]:
+    """Yield the joints of motors, and the links of tracks, that do not exist."""
+    joints = {joint.name for joint in robot.joints}
+    links = () if robot.drive.joints else (*robot.drive.left, *robot.drive.right)
+    moved = {*robot.drive.joints, *(servo.joint for servo in robot.servos)}
+    for name in sorted((moved - joints) | (set(links) - {link.name for link in robot.links})):
+        yield f"drives {shown(name)}, which it does not have"
+
+
+def _wrong_numbers(robot: Robot) -> Iterator[str]:
+    above_0 = [
+        *(("size", length) for length in robot.size),
+        *((f"mass of {link.name}", link.mass) for link in robot.links),
+    ]
+    above_0 += [(name, getattr(robot.drive, name)) for name in ("separation", "radius", "speed", "turn")]
+    for what, value in above_0:
+        if not 0 < value < math.inf:  # nor is NaN a size
+            yield f"has {shown(value)} as its {what}; expected a number above 0"
+    for what, value in (("clearance", robot.clearance), ("climbs", robot.climbs)):
+        if not 0 <= value < math.inf:
+            yield f"has {shown(value)} as its {what}; expected a number from 0 on"
+
+
 ROBOTS: Registry[Robot] = Registry(
     "robot",
     package="rsegen.robots",
     group="rsegen.robots",
-    contract=Contract(base=RobotOnField, names=lambda robot: (robot.kind,), is_class=False),
+    contract=Contract(base=RobotOnField, names=lambda robot: (robot.kind,), check=_problem, is_class=False),
 )
 """Every robot by its kind."""
 

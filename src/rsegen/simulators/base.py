@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from rsegen.params.registry import Contract, Registry
+from rsegen.params.registry import Contract, Registry, is_own
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import SECONDS, Patience
 from rsegen.simulators.poses import Record
@@ -94,12 +94,12 @@ class Installation:
 class Simulator(ABC):
     """A program that opens worlds.
 
-    name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred; how_to_install: lines
-    of advice; address_variables: the variables that select one server among others; harmless_messages: parts of error
-    lines that say nothing against a world; load_failures: parts of lines that say that the world was not loaded;
-    drives_without: what a drive in it does not give, in words; frames: what draws frames that can be counted, of
-    `camera` (a sensor of the model `eye`, named `link` and `camera`) and `window`; digits: significant ones of the
-    poses in its record, None if they are enough.
+    name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred, of a plug-in only if
+    none of rsegen's own is installed; how_to_install: lines of advice; address_variables: the variables that select
+    one server among others; harmless_messages: parts of error lines that say nothing against a world; load_failures:
+    parts of lines that say that the world was not loaded; drives_without: what a drive in it does not give, in words;
+    frames: what draws frames that can be counted, of `camera` (a sensor of the model `eye`, named `link` and `camera`)
+    and `window`; digits: significant ones of the poses in its record, None if they are enough.
     """
 
     name: ClassVar[str]
@@ -193,12 +193,12 @@ def commands_of(name: str, *elsewhere: Path) -> list[Path]:
 
 SIMULATORS: Registry[Simulator] = Registry(
     "simulator",
-    order=lambda simulator: -simulator.generation,
+    order=lambda simulator: (not is_own(simulator), -simulator.generation),
     package="rsegen.simulators",
     group="rsegen.simulators",
     contract=Contract(base=Simulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls()),
 )
-"""Every simulator by its name, the newest first."""
+"""Every simulator by its name, the newest first; those of plug-ins last."""
 
 register = SIMULATORS.register
 """Decorator of a simulator, one of which is known by its name then."""

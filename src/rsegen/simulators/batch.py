@@ -66,10 +66,16 @@ class BatchSimulator(ABC):
         return self.title
 
 
+def _problem(cls: type[BatchSimulator]) -> str:
+    return f"has the name {cls.name!r}, which a simulator of one world has" if cls.name in EMBEDDED else ""
+
+
 BATCH: Registry[BatchSimulator] = Registry(
     "batch simulator",
     group="rsegen.batch_simulators",
-    contract=Contract(base=BatchSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls()),
+    contract=Contract(
+        base=BatchSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls(), check=_problem
+    ),
 )
 """Every simulator of many worlds at once, by its name."""
 

@@ -13,7 +13,7 @@ from typing import ClassVar, TypeAlias
 
 from rsegen.errors import NoSimulator, UnknownName, UserError
 from rsegen.field.stepfield import Array
-from rsegen.params.registry import Contract, Registry
+from rsegen.params.registry import Contract, Registry, is_own
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
@@ -136,12 +136,19 @@ class EmbeddedSimulator(ABC):
         return f"{self.title} {self.version() or ''}".strip()
 
 
+def _problem(cls: type[EmbeddedSimulator]) -> str:
+    return f"has the name {cls.name!r}, which a simulator with a server has" if cls.name in SIMULATORS else ""
+
+
 EMBEDDED: Registry[EmbeddedSimulator] = Registry(
     "embedded simulator",
+    order=lambda simulator: not is_own(simulator),  # the first is the one of whoever names none
     group="rsegen.embedded_simulators",
-    contract=Contract(base=EmbeddedSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls()),
+    contract=Contract(
+        base=EmbeddedSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls(), check=_problem
+    ),
 )
-"""Every simulator in this process, by its name."""
+"""Every simulator in this process, by its name; those of plug-ins last."""
 
 register = EMBEDDED.register
 """Decorator of an embedded simulator, one of which is known by its name then."""

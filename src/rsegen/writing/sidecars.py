@@ -11,10 +11,12 @@ from __future__ import annotations
 import inspect
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
+from rsegen.errors import PluginError, shown
 from rsegen.params.capabilities import hooks
 from rsegen.params.command import HelpText, declare
 from rsegen.params.registry import is_own
@@ -96,6 +98,41 @@ class Sidecar(ABC):
     def seconds(self, cells: int) -> float:
         """Return about how long they take for a map with this many cells; half a second for a picture or a sheet."""
         return 0.5
+
+
+class GivesFiles(Protocol):
+    """Giver of files of a map: a sidecar, or a format."""
+
+    @property
+    def name(self) -> str:
+        """The name that users know."""
+
+    def files(self, scene: Scene) -> Mapping[Any, Iterable[bytes]]:
+        """Return their content, by path; it is made when it is read."""
+
+
+def files_of(giver: GivesFiles, scene: Scene) -> Bundle:
+    """Return the files that are given for a map; PluginError if a plug-in gives none, or, once it is read, no bytes."""
+    files: object = giver.files(scene)
+    where = f"plug-in {giver.name}: files() gave"
+    if not isinstance(files, Mapping):
+        raise PluginError(f"{where} {shown(files)}; expected iterables of bytes by their paths")
+    for path, content in files.items():
+        if not isinstance(path, (str, PurePosixPath)) or not PurePosixPath(path).name or "\0" in str(path):
+            raise PluginError(f"{where} {shown(path)} as the path of a file")
+        if isinstance(content, (str, bytes)) or not isinstance(content, Iterable):
+            raise PluginError(f"{where} {shown(content)} for {path}; expected an iterable of bytes, as in [bytes]")
+    if is_own(giver):
+        return {PurePosixPath(path): content for path, content in files.items()}
+    return {PurePosixPath(path): _bytes(content, f"{where} {path}") for path, content in files.items()}
+
+
+def _bytes(content: Iterable[object], where: str) -> Iterator[bytes]:
+    """Yield what a plug-in gives as the content of a file; a PluginError for what are no bytes."""
+    for part in content:
+        if not isinstance(part, (bytes, bytearray, memoryview)):
+            raise PluginError(f"{where} with {shown(part)} in it; expected bytes")
+        yield bytes(part)
 
 
 @cache

@@ -24,7 +24,7 @@ from rsegen.writing.execute import Execution
 from rsegen.writing.journal import compare, read_journal
 from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps
 from rsegen.writing.resources import Step, check_needs
-from rsegen.writing.sidecars import Sidecar, are_complete
+from rsegen.writing.sidecars import Sidecar, are_complete, files_of
 from rsegen.writing.store import refuse_busy, refuse_taken, refuse_unit, sorted_names
 
 
@@ -171,7 +171,7 @@ def world_output(
     """
     bundle = dict(export(scene))
     for sidecar in sidecars:
-        bundle |= sidecar.files(scene)
+        bundle |= files_of(sidecar, scene)
     if keeps_files:
         bundle |= _earlier_files(folder / scene.name, bundle, sidecars)
     made = GeneratedMap(
