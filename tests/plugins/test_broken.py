@@ -12,9 +12,6 @@ import pytest
 
 from rsegen import Recipe, build, build_many
 from rsegen.errors import PluginError
-from rsegen.formats.base import added
-from rsegen.scene.scene import compose
-from rsegen.writing.store import write_folder
 from tests.plugins.installed import declare, done, refused, run
 
 GOOD = '''
@@ -244,95 +241,6 @@ def test_levels_that_a_recipe_does_not_have_are_refused(complaint: str, monkeypa
     for make in (lambda: build(recipe), lambda: build_many(recipe, range(3))):
         with pytest.raises(PluginError, match=re.escape(complaint)):
             make()
-
-
-OF_FILES = '''
-from dataclasses import dataclass
-from typing import ClassVar
-
-from rsegen.formats.base import Format
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Sand(Format):
-    """Sand."""
-
-    name: ClassVar[str] = "sand"
-
-    def files(self, scene):
-        return GIVEN
-'''
-NO_FILES = {
-    "None": "gave an empty value; expected iterables of bytes by their paths",
-    "['sand.txt']": "gave ['sand.txt']; expected iterables of bytes by their paths",
-    "{'sand.txt': 'grains'}": "gave 'grains' for sand.txt; expected an iterable of bytes",
-    "{'sand.txt': b'grains'}": "gave b'grains' for sand.txt; expected an iterable of bytes",
-    "{'sand.txt': 3}": "gave 3 for sand.txt; expected an iterable of bytes",
-    "{'sand.txt': [b'x', 'grains']}": "gave sand.txt with 'grains' in it; expected bytes",
-    "{3: [b'x']}": "gave 3 as the path of a file",
-    "{'': [b'x']}": "gave '' as the path of a file",
-    r"{'sa\0nd': [b'x']}": r"gave 'sa\x00nd' as the path of a file",
-}
-
-
-@pytest.mark.parametrize("value", NO_FILES)
-def test_what_is_no_file_of_a_format_is_refused_with_its_name(
-    value: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    module = ModuleType("sands")
-    monkeypatch.setitem(sys.modules, "sands", module)
-    exec(OF_FILES.replace("GIVEN", value), vars(module))  # noqa: S102  # as a plug-in is run
-    complaint = re.escape(f"plug-in sand: files() {NO_FILES[value]}")
-    with pytest.raises(PluginError, match=complaint):
-        write_folder(added(compose(Recipe(seed=1), 0), [module.Sand()]), tmp_path / "out", force=False)
-    assert [*tmp_path.iterdir()] == []
-
-
-def test_bytes_of_any_sort_are_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = ModuleType("sands")
-    monkeypatch.setitem(sys.modules, "sands", module)
-    given = "{'sand.txt': (part for part in [b'a', bytearray(b'b'), memoryview(b'c')])}"
-    exec(OF_FILES.replace("GIVEN", given), vars(module))  # noqa: S102  # as a plug-in is run
-    write_folder(added(compose(Recipe(seed=1), 0), [module.Sand()]), tmp_path / "out", force=False)
-    assert (tmp_path / "out" / "sand" / "sand.txt").read_bytes() == b"abc"
-
-
-SIMULATOR = """
-from rsegen.simulators.embedded import EmbeddedSimulator
-
-
-class Sand(EmbeddedSimulator):
-    '''Sand.'''
-
-    name, title, how_to_install = "NAME", "Sand", ()
-
-    def version(self):
-        return "1"
-
-    def world(self, scene, robots, ARGUMENTS):
-        raise NotImplementedError
-"""
-
-
-@pytest.mark.parametrize(
-    ("name", "arguments", "complaint"),
-    [
-        ("sand", "*, motors='reaction', period=0.05, built=None", ""),
-        ("sand", "**more", ""),
-        ("sand", "*, motors='reaction'", "; expected world(self, scene, robots, *, motors, period, built)"),
-        ("sand", "motors, /, *, period, built", "; expected world(self, scene, robots, *, motors, period, built)"),
-        ("classic", "**more", "has the name 'classic', which a simulator with a server has"),
-    ],
-)
-def test_a_simulator_in_this_process_takes_what_it_is_called_with(
-    name: str, arguments: str, complaint: str, tmp_path: Path
-) -> None:
-    source = SIMULATOR.replace("NAME", name).replace("ARGUMENTS", arguments)
-    offers = f"[rsegen.embedded_simulators]\n{name} = dunes:Sand\n"
-    found = run("sim", packages=installed(tmp_path, source, offers))
-    assert ("Sand 1" in found.stdout) == (not complaint)
-    assert complaint in found.stderr
-    assert found.stderr.count("\n") == bool(complaint)
 
 
 CAPABILITY = "from rsegen.params.capabilities import Capability, Command\nDECLARED = Capability(summary='sand', {})\n"

@@ -413,9 +413,7 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
         heights: object = reading.read(path, unit_cm)
     if not isinstance(heights, Heights):
-        raise PluginError(
-            f"plug-in {reading.name}: read() gave {shown(heights)}; expected a rsegen.heights.base.Heights"
-        )
+        raise PluginError(f"plug-in {reading.name}: read() gave {shown(heights)}; expected rsegen.heights.base.Heights")
     return heights
 
 

@@ -141,7 +141,7 @@ class Registry(Mapping[str, Thing]):
         self._order = order
         self._package = package
         self._group = group
-        self._contract = contract
+        self.contract = contract
         self._elsewhere = elsewhere
         self._things: dict[str, Thing] = {}
         self._sources: dict[str, Source] = {}
@@ -174,8 +174,8 @@ class Registry(Mapping[str, Thing]):
 
     def register(self, offered: Offered) -> Offered:
         """Make one of rsegen's own known under its names, as a plug-in's by the contract; a decorator of its class."""
-        for name in self._contract.names(offered):
-            self.add(name, self._contract.stored_object(offered))
+        for name in self.contract.names(offered):
+            self.add(name, self.contract.stored_object(offered))
         return offered
 
     def named(self, name: str, where: str) -> Thing:
@@ -249,7 +249,7 @@ class Registry(Mapping[str, Thing]):
         for plugin in fresh:
             known = set(map(id, self._things.values()))
             for name, value in [*vars(plugin.module).items()]:
-                if self._contract.is_held(value, plugin) and (isinstance(value, type) or id(value) not in known):
+                if self.contract.is_held(value, plugin) and (isinstance(value, type) or id(value) not in known):
                     self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
     @cached_property
@@ -272,7 +272,7 @@ class Registry(Mapping[str, Thing]):
 
     def _enter(self, offered: Any, source: Source, where: str, wanted: str | None = None) -> None:
         """Keep an object of a plug-in under its names; PluginError if it does not meet the contract."""
-        contract = self._contract
+        contract = self.contract
         if problem := contract.problem(offered) or self._misnamed(offered, contract.names(offered), wanted):
             raise PluginError(f"{where}: {problem}")
         for name in contract.names(offered):
