@@ -400,11 +400,12 @@ def test_a_command_that_cannot_be_imported_is_of_its_package(sand: str, complain
     assert refused("dig-in", packages=tmp_path) == f"rsegen: {complaint}"
 
 
-def test_what_fails_in_a_package_is_not_reported_as_an_error_of_rsegen(tmp_path: Path) -> None:
-    sand = "def add_dig(parser): pass\ndef run_dig(arguments):\n    raise RuntimeError('dust')\n"
+@pytest.mark.parametrize("error", ["RuntimeError", "OSError"])
+def test_what_fails_in_a_package_is_not_reported_as_an_error_of_rsegen(error: str, tmp_path: Path) -> None:
+    sand = f"def add_dig(parser): pass\ndef run_dig(arguments):\n    raise {error}('dust')\n"
     declaring(tmp_path, "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)", sand)
     found = run("dig", packages=tmp_path)
-    assert (found.returncode, found.stderr) == (1, "rsegen: plug-in sandbox 0.3: sand.py, line 3: RuntimeError: dust\n")
+    assert (found.returncode, found.stderr) == (1, f"rsegen: plug-in sandbox 0.3: sand.py, line 3: {error}: dust\n")
 
 
 def test_an_extra_of_a_package_is_installed_as_the_package_says(tmp_path: Path) -> None:

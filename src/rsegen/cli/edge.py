@@ -132,7 +132,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
             return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
-        case OSError():
+        case OSError() if error.filename or isinstance(error, BrokenPipeError) or not _of_plugin(error):
             message = "" if isinstance(error, BrokenPipeError) else system_message(error, "the output")
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
