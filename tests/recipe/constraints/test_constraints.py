@@ -331,7 +331,7 @@ def test_a_path_of_steps_is_said_without_a_robot() -> None:
 @pytest.mark.slow
 def test_less_room_to_spare_leaves_ways_rougher() -> None:
     obstacles = (rsegen.Random(levels=5),)
-    made = recipe(seed=4243, boundary="none", unit_cm=5, obstacles=obstacles, crossable_by="crawler")
+    made = recipe(seed=2, boundary="none", unit_cm=5, chunk_size=7, obstacles=obstacles, crossable_by="crawler")
     usual, tight = (rsegen.compose(replace(made, crossable_room=room)) for room in (1.0, 0.0))
     lowered = [constraint_report(scene)["crossable_by"]["lowered"]["blocks"] for scene in (usual, tight)]
     assert 0 < lowered[1] < lowered[0]
