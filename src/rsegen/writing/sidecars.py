@@ -100,8 +100,8 @@ class Sidecar(ABC):
         return 0.5
 
 
-class GivesFiles(Protocol):
-    """Giver of files of a map: a sidecar, or a format."""
+class FileMaker(Protocol):
+    """Maker of files of a map: a sidecar, or a format."""
 
     @property
     def name(self) -> str:
@@ -111,10 +111,10 @@ class GivesFiles(Protocol):
         """Return their content, by path; it is made when it is read."""
 
 
-def files_of(giver: GivesFiles, scene: Scene) -> Bundle:
-    """Return the files that are given for a map; PluginError if a plug-in gives none, or, once it is read, no bytes."""
-    files: object = giver.files(scene)
-    where = f"plug-in {giver.name}: files() gave"
+def files_of(maker: FileMaker, scene: Scene) -> Bundle:
+    """Return the files that are made for a map; PluginError if a plug-in gives none, or, once it is read, no bytes."""
+    files: object = maker.files(scene)
+    where = f"plug-in {maker.name}: files() gave"
     if not isinstance(files, Mapping):
         raise PluginError(f"{where} {shown(files)}; expected iterables of bytes by their paths")
     for path, content in files.items():
@@ -122,7 +122,7 @@ def files_of(giver: GivesFiles, scene: Scene) -> Bundle:
             raise PluginError(f"{where} {shown(path)} as the path of a file")
         if isinstance(content, (str, bytes)) or not isinstance(content, Iterable):
             raise PluginError(f"{where} {shown(content)} for {path}; expected an iterable of bytes, as in [bytes]")
-    if is_own(giver):
+    if is_own(maker):
         return {PurePosixPath(path): content for path, content in files.items()}
     return {PurePosixPath(path): _bytes(content, f"{where} {path}") for path, content in files.items()}
 
