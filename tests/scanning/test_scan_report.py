@@ -85,6 +85,8 @@ def test_scan_json_says_what_was_found(told: tuple[dict[str, object], Path]) -> 
     assert (np.array(scan["confidence"]) > 0).tolist() == seen.tolist()
     residuals = np.array(scan["residuals_m"], dtype=float)
     assert np.nanmax(np.abs(residuals)) <= scan["residual_most_m"]
+    named = "(x 2 y 3, x 5 y 1, x 8 y 8); blocks among them get level 0"
+    assert scan["notes"] == [f"warning: not seen: 3 of 144 cells {named}"]
     assert scan["files"] == {"fit": f"{folder}/twin_fit.png", "confidence": f"{folder}/twin_confidence.csv"}
     assert Path(scan["files"]["confidence"]).is_file()
 

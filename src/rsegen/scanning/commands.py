@@ -92,11 +92,15 @@ def run_scan(arguments: argparse.Namespace) -> Report:
         sure: partial(confidence_csv, scanned.scan),
         **({} if fit else {name: scanned.picture}),
     }
-    found = {"scan": scan_content(scanned.scan, len(scanned.points), scanned.left_out) | {"files": files}}
-    report = produce(recipe, arguments, beside, found)
+    lines = [*_report(scanned, options, lengths_in(recipe.units))]
+    doubts = [
+        line for line in lines if line.startswith(("assumed: ", "warning: "))
+    ]  # programs have figures of the rest
+    content = scan_content(scanned.scan, len(scanned.points), scanned.left_out)
+    report = produce(recipe, arguments, beside, {"scan": content | {"notes": doubts, "files": files}})
     if fit:
         fit.write(scanned.picture)
-    lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {where}"]
+    lines.append(f"the fit: {where}")
     lines.append(f"the confidence of each level, 0 where a block was not seen: {files['confidence']}")
     if no_sheet:
         lines.append(f"no build sheet: {no_sheet}")
@@ -407,7 +411,8 @@ def run_compare(arguments: argparse.Namespace) -> Report:
     lines = [cell_counts(comparison), *_lines(comparison, lengths_in(recipe.units))]
     notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
     notes += [f"warning: {compared.doubt}"] if compared.doubt else []
-    return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
+    content = _content(comparison) | {"notes": notes}
+    return Report(lines=lines, content=content, notes=notes, code=0 if comparison.is_equal else 1)
 
 
 def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
