@@ -13,6 +13,7 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.recipe.examples import EXAMPLES
+from tests.support.long import long_unless
 
 
 def stl(field: StepField, folder: Path) -> Path:
@@ -65,7 +66,7 @@ DECKS: Mapping[str, Callable[[], StepField]] = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", DECKS)
+@pytest.mark.parametrize("name", long_unless("example".__ne__, DECKS, reason="smaller decks are in make test"))
 def test_the_rim_of_a_deck_is_no_frame(name: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     field = DECKS[name]()
     if name != "example":  # which has 1,764 blocks
