@@ -49,6 +49,9 @@ _HYPOTHESES = 6_000
 _SCORED = 2_000
 """Points on which every plane is scored: a plane with 5 % of the points then has 100 +- 10 of them."""
 
+_AT_ONCE = 64
+"""Planes that are scored together: the distances of 2,000 points from them are 1 MB."""
+
 _REFINED = 24
 """Best planes that are fitted again: the planes of most points are often those of one wall, several times."""
 
@@ -169,7 +172,7 @@ def _normal(points: Array, tolerance: float, up: Sequence[float] | None) -> Arra
         raise ScanError("no plane was found in the direction that is given as up")
     # Points near a plane choose the planes that are fitted; layers choose among these.
     scored = sample(points, _SCORED)
-    counts = np.count_nonzero(np.abs(normals @ scored.T - heights[:, None]) < tolerance, axis=1)
+    counts = _points_near(normals, heights, scored, tolerance)
     best = np.argsort(-counts, kind="stable")[:_REFINED]
     refined = [_plane_fit(points, normals[at], heights[at], tolerance) for at in best]
     if up is not None:  # it may be exact, as that of a mesh is
@@ -189,6 +192,19 @@ def _hypotheses(points: Array) -> tuple[Array, Array]:
     kept = lengths > 1e-12  # three points on a line span no plane
     normals = normals[kept] / lengths[kept, None]
     return normals, (normals * a[kept]).sum(axis=1)
+
+
+def _points_near(normals: Array, heights: Array, points: Array, tolerance: float) -> Ints:
+    """Return how many points are near each plane."""
+    counts, places = np.empty(len(normals), dtype=np.int64), np.ascontiguousarray(points.T)
+    # Some planes at a time: their distances stay in the cache of the processor, which is eight times as fast as all.
+    for first in range(0, len(normals), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        distances = normals[part] @ places
+        distances -= heights[part, None]
+        np.abs(distances, out=distances)
+        counts[part] = np.count_nonzero(distances < tolerance, axis=1)
+    return counts
 
 
 def _plane_fit(points: Array, normal: Array, height: float, tolerance: float) -> Array:
