@@ -96,6 +96,34 @@ def test_a_folder_that_another_run_makes_at_the_same_moment_is_no_failure(
     assert (tmp_path / "out" / "a").read_bytes() == b"1"
 
 
+def test_a_run_that_ends_just_after_the_last_try_of_the_next_lets_it_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    try_ = lock.Lock._try
+    tries: list[bool] = []
+
+    def refused_up_to_the_last(self: lock.Lock, *, is_last: bool) -> None:
+        if not any(tries):
+            tries.append(is_last)
+            return
+        try_(self, is_last=is_last)
+
+    monkeypatch.setattr(lock.Lock, "_try", refused_up_to_the_last)
+    with open_store(tmp_path) as store:
+        store.put({"a": [b"1"]})
+    assert tries[-1]
+    assert (tmp_path / "a").read_bytes() == b"1"
+
+
+def test_a_run_whose_lock_is_not_yet_written_is_named_without_a_process(tmp_path: Path) -> None:
+    (tmp_path / ".rsegen").mkdir()
+    with (tmp_path / ".rsegen" / "lock").open("w+b") as file:
+        assert lock._locked(file.fileno())
+        with pytest.raises(OutputError) as refused, open_store(tmp_path):
+            pass
+    assert f"{tmp_path}: another run is writing there; wait for it, or stop it; if" in str(refused.value)
+
+
 @pytest.mark.usefixtures("disk")
 def test_a_killed_run_keeps_nobody_out(tmp_path: Path) -> None:
     with holding(tmp_path) as process:

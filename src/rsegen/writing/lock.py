@@ -77,7 +77,10 @@ class Lock:
                 return
             if is_last:
                 refuse_locked(self._folder)
-                raise gone or _busy(self._folder, {})  # or a disk such as /proc, on which no folder can be made
+                if gone:  # for good: a disk such as /proc, on which no folder can be made
+                    raise gone
+                if time.monotonic() > end + _TRIES:  # until then: the other run ended after the last try
+                    raise _busy(self._folder, {})
             time.sleep(_POLL)
 
     def _make_home(self) -> None:
@@ -165,9 +168,9 @@ def refuse_locked(folder: Path) -> None:
 
 
 def _busy(folder: Path, entry: Mapping[str, object]) -> OutputError:
-    who = f"process {shown(entry.get('pid'))} on {shown(entry.get('host'))}"
+    who = f" (process {shown(entry.get('pid'))} on {shown(entry.get('host'))})" if entry else ""  # not yet written
     advice = f"wait for it, or stop it; if it no longer exists, delete {folder / '.rsegen' / 'lock'}"
-    return OutputError(f"{folder}: another run is writing there ({who}); {advice}")
+    return OutputError(f"{folder}: another run is writing there{who}; {advice}")
 
 
 def _locked(descriptor: int) -> bool | None:
