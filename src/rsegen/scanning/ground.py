@@ -15,8 +15,8 @@ the floor. So the normal that counts is the one along which the cloud is layered
 4. The ground is the lowest slice that is a local maximum; a fit of its points with a robust deviation ends it.
 
 A tolerance of 1/150 of the cloud's size (2 cm of 3 m) is a slice: far less than a block, more than the noise of depth
-cameras. Cost: 6,000 x 2,000 distances, a third of the time of a scan. It fails if no tops are seen, and if a wall
-has more and clearer layers than the floor.
+cameras. Cost: 6,000 x 2,000 distances and 24 fits of 20,000 points, some hundredths of a second. It fails if no tops
+are seen, and if a wall has more and clearer layers than the floor.
 """
 
 from __future__ import annotations
