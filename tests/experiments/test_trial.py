@@ -44,7 +44,7 @@ def test_attempts_are_counted(failures: int) -> None:
 
 def test_the_last_failure_says_how_many_there_were() -> None:
     once = Failing(ATTEMPTS)
-    with pytest.raises(SimulatorFailed, match=r"^the server has died\nthis was attempt 4 of 4$"):
+    with pytest.raises(SimulatorFailed, match=r"^the server has died; this was attempt 4 of 4$"):
         attempted(once)
     assert once.calls == ATTEMPTS
 

@@ -12,6 +12,7 @@ import pytest
 
 from rsegen import Recipe, build, build_many
 from rsegen.errors import PluginError
+from rsegen.measuring.catalogue import Metric
 from tests.plugins.installed import declare, done, refused, run
 
 GOOD = '''
@@ -255,6 +256,7 @@ def declaring(folder: Path, fields: str, sand: str = "") -> Path:
     return folder
 
 
+FINDING = "from rsegen.params.capabilities import Finding; return Finding"
 NAMED = "plug-in 'sandy' of sandbox 0.3 (dunes:DECLARED): "
 
 
@@ -379,7 +381,9 @@ def test_a_capability_whose_import_is_interrupted_ends_in_one_line(command: str,
     assert (found.returncode, found.stderr) == (130, "rsegen: stopped\n")
 
 
-@pytest.mark.parametrize("look", ["raise RuntimeError('dust')", "return 'dust'"])
+@pytest.mark.parametrize(
+    "look", ["raise RuntimeError('dust')", "return 'dust'", f"{FINDING}('dust', 'T', 5, 'a', [(1,)])"]
+)
 def test_doctor_goes_on_if_that_of_a_capability_fails(look: str, tmp_path: Path) -> None:
     found = run("doctor", packages=declaring(tmp_path, "doctor='dunes.sand:look'", f"def look():\n    {look}\n"))
     assert found.returncode == 0
@@ -419,3 +423,53 @@ def test_an_extra_of_a_package_is_installed_as_the_package_says(tmp_path: Path) 
     said = done("doctor", packages=tmp_path)
     assert "shovel_of_sand: digging\n" in said
     assert "-m pip install 'shovels>=2'\n" in said
+
+
+DIG = """
+from rsegen.cli.report import Report
+
+
+def add_dig(parser):
+    pass
+
+
+def run_dig(arguments):
+    RESULT
+"""
+
+
+@pytest.mark.parametrize(
+    ("result", "code", "line"),
+    [
+        ("import sys; sys.exit(0)", 1, "plug-in sandbox 0.3: sand.py, line 10: SystemExit: 0"),
+        ("import sys; sys.exit('enough')", 1, "plug-in sandbox 0.3: sand.py, line 10: SystemExit: enough"),
+        ("return 3", 2, "plug-in sandbox 0.3: the command dig gave 3; expected a rsegen.cli.report.Report"),
+        ("return Report(lines=['a'], content=None, code='0')", 2, "plug-in sandbox 0.3: the command dig gave Report("),
+        ("return Report(lines=[1], content=1)", 1, "error in rsegen, or in what a plug-in gave it (sandbox 0.3): "),
+    ],
+)
+def test_a_command_that_ends_python_or_gives_no_report_is_of_its_package(
+    result: str, code: int, line: str, tmp_path: Path
+) -> None:
+    command = "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)"
+    found = run("dig", packages=declaring(tmp_path, command, DIG.replace("RESULT", result)))
+    assert (found.returncode, found.stdout, found.stderr.count("\n")) == (code, "", 1)
+    assert found.stderr.startswith(f"rsegen: {line}")
+
+
+def test_an_internal_error_names_packages_that_are_used_alone(tmp_path: Path) -> None:
+    declaring(
+        tmp_path, "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)", "def add_dig(): pass\nrun_dig = 3\n"
+    )
+    failing = "import sys, rsegen.cli.doctor as doctor; from rsegen.cli.edge import main; doctor.hooks = None"
+    found = run(packages=tmp_path, code=f"{failing}; sys.exit(main(['doctor']))")
+    assert (found.returncode, found.stderr.count("\n")) == (1, 1)
+    assert found.stderr.startswith("rsegen: internal error, please report it: TypeError: ")
+    found = run("dig", packages=tmp_path)
+    assert (found.returncode, found.stderr.count("\n")) == (1, 1)
+    blamed = "rsegen: error in rsegen, or in what a plug-in gave it (sandbox 0.3): TypeError: add_dig() takes"
+    assert found.stderr.startswith(blamed)
+
+
+def test_a_metric_may_be_an_integer_beyond_all_floats() -> None:
+    assert Metric.of(lambda field: 10**400)(build(Recipe(seed=1))) == float("inf")

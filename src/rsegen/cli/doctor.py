@@ -38,6 +38,8 @@ def _finding(look: Callable[[], Finding]) -> Finding | None:
         finding = look()
         if not isinstance(finding, Finding):
             raise TypeError(f"it returned {finding!r}, and no Finding")
+        if not all(isinstance(part, list) for part in finding[2:]) or any(len(pair) != 2 for pair in finding.missing):
+            raise TypeError(f"the fields of {finding!r} are not as those of a Finding")
     except Exception as error:
         from rsegen.params.registry import is_own
 

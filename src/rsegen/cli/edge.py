@@ -29,7 +29,6 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from functools import partial
-from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -37,15 +36,18 @@ from rsegen.cli.command_line import OVERVIEW, load_plugins, parsed, parser_of
 from rsegen.cli.parser import FLAG
 from rsegen.errors import (
     REFUSED,
+    PluginError,
     PluginWarning,
     RsegenError,
     Stopped,
     UserError,
     line_of,
     printable,
+    shown,
     system_message,
 )
-from rsegen.params.capabilities import commands
+from rsegen.params.capabilities import commands, used_sources
+from rsegen.params.plugins import failure_of_plugin
 from rsegen.writing import stop
 
 if TYPE_CHECKING:
@@ -132,28 +134,17 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
             return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
-        case OSError() if error.filename or isinstance(error, BrokenPipeError) or not _of_plugin(error):
+        case OSError() if error.filename or isinstance(error, BrokenPipeError) or not failure_of_plugin(error):
             message = "" if isinstance(error, BrokenPipeError) else system_message(error, "the output")
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
             return 1, "out of memory; use fewer chunks or a smaller chunk_size"
-    if message := _of_plugin(error):
+    if message := failure_of_plugin(error):
         return 1, message
-    message = f"{type(error).__name__}: {error}"
-    return 1, f"internal error, please report it: {message} (python -X dev -m rsegen shows where)"
-
-
-def _of_plugin(error: BaseException) -> str:
-    """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
-    from rsegen.params.plugins import failure, source_of_file
-
-    # The innermost frame of a plug-in counts: below it is what it called, perhaps rsegen again.
-    for frame, _ in reversed([*walk_tb(error.__traceback__)]):
-        file = frame.f_code.co_filename
-        if source := source_of_file(file):
-            place = f"{os.path.basename(file)}, " if source.version else ""  # a file is its own name
-            return f"plug-in {source}: {place}{failure(error, file)}"
-    return ""
+    message = f"{type(error).__name__}: {error} (python -X dev -m rsegen shows where)"
+    plugins = ", ".join(map(str, used_sources()))
+    of_both = f"error in rsegen, or in what a plug-in gave it ({plugins})"
+    return 1, f"{of_both if plugins else 'internal error, please report it'}: {message}"
 
 
 _ONE_STOP = 1.0
@@ -222,7 +213,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with short_warnings(), printable_output():
         try:
             return _run(words, signals)
-        except (KeyboardInterrupt, Exception) as error:
+        except (KeyboardInterrupt, SystemExit, Exception) as error:
+            if isinstance(error, SystemExit) and not failure_of_plugin(error):  # --help
+                raise
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
@@ -252,11 +245,16 @@ def _run(words: Sequence[str], signals: Signals) -> int:
         if not hasattr(arguments, "run"):
             print(OVERVIEW, end="")
             return 0
-        from rsegen.cli.report import planned, progress_of
+        from rsegen.cli.report import Report, planned, progress_of
 
         with signals.stop_it(), progress_of(arguments):
             outcome = planned(arguments) if getattr(arguments, "dry_run", False) else arguments.run(arguments)
-            return outcome.show(arguments, partial(_in_shell, command=_command_in(words))) if outcome else 0
+            if outcome is None:
+                return 0
+            if not isinstance(outcome, Report) or not isinstance(outcome.code, int):
+                problem = f"{_command_in(words)} gave {shown(outcome)}; expected a rsegen.cli.report.Report"
+                raise PluginError(f"plug-in {', '.join(map(str, used_sources()))}: the command {problem}")
+            return outcome.show(arguments, partial(_in_shell, command=_command_in(words)))
     finally:
         if sys.stdout:
             sys.stdout.flush()

@@ -138,6 +138,7 @@ def record_embedded(  # noqa: PLR0913  # as `record_drive`
 
     The same runs, scene and simulator give the same trajectories, bit by bit, with a picture or a video too.
     """
+    simulator.refuse_missing()
     world = simulator.world(scene, runs, motors=motors or MOTORS[0], period=PERIOD)
     filmed = FilmedWorld(world, scene, runs) if video else None
     samples = drive_in_steps(filmed or world, runs, seconds, world.step_seconds, progress, contacts=contacts)

@@ -215,6 +215,8 @@ class Heights:
         """Raise a ValueError for what is not as said above: importers are others' code too."""
         import numpy as np
 
+        from rsegen.heights.coordinate_system import CellSides
+
         levels = np.asarray(self.levels)
         if levels is not self.levels or levels.dtype.kind not in "iu" or levels.ndim != 2 or not levels.size:
             got = f"{type(self.levels).__name__} of {levels.dtype}, of shape {levels.shape}"
@@ -226,6 +228,10 @@ class Heights:
             array = getattr(self, name)
             if array is not None and np.shape(array) != levels.shape:
                 raise ValueError(f"{name} has the shape {np.shape(array)}, and levels {levels.shape}")
+        if self.sides is not None and not isinstance(self.sides, CellSides):
+            raise ValueError(f"sides are {shown(self.sides)}; expected rsegen.heights.coordinate_system.CellSides")
+        if self.metres_up is not None and not isinstance(self.metres_up, (int, float)):
+            raise ValueError(f"metres_up is {shown(self.metres_up)}; expected a number")
         if unknown := sorted(self.recipe_values.keys() - parameters(Recipe).keys()):
             raise ValueError(f"recipe_values has {unknown[0]!r}, which is no parameter of a recipe")
 

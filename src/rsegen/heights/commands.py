@@ -114,7 +114,7 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
     """Return the importer with the options that were given; one that it does not have is an error."""
     for name, option in _options().items():
         if name not in parameters(cls) and getattr(arguments, name) is not None:
-            flags = ", ".join(known.flags[-1] for known in declared(cls).values())
+            flags = ", ".join(known.flags[-1] for known in declared(cls).values()) or "none"
             raise ParameterError(
                 option.flags[-1], f"is not for this file, which is read as {cls.name} (known: {flags})"
             )

@@ -156,7 +156,10 @@ class Metric:
             return math.nan
         if not isinstance(value, (int, float, np.number)):
             raise PluginError(f"metric {self.name}: gave {shown(value)}; a metric gives a number, or nan for none")
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # an integer above 1e308
+            return math.inf
 
 
 def metric(unit: str) -> Callable[[Measure], Metric]:

@@ -25,6 +25,7 @@ import numpy as np
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.obstacles.ends import square_ends
+from rsegen.obstacles.given import SLACK, levels_of, margin_of, refuse_other_layout
 from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import (
     ANYWHERE,
@@ -44,10 +45,6 @@ from rsegen.params.sorts import (
     validate,
 )
 from rsegen.params.streams import Streams, randint
-
-SLACK = 1e-9
-"""Added before a product of floats is rounded down: (n - 1) f of 2.9999999999999996 is level 3, as in exact numbers."""
-
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
@@ -248,16 +245,14 @@ class Shaped(Obstacle):
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels floor((n - 1) f): the highest on the axis or apex alone, lower in steps on the sides."""
-        window = _window(grid, first, last, int(np.ceil(self.overhang(grid))))
+        window = _window(grid, first, last, margin_of(self, grid))
         x, y = np.ogrid[window]
 
         def part(rows: slice) -> Levels:
             along_x = np.arange(rows.start, rows.stop, dtype=float)[:, None]
             with np.errstate(over="ignore"):  # a slope of almost no width
                 f = self.profile(along_x, y.astype(float), first, last, grid)
-            if np.isnan(f).any():
-                raise PluginError(f"obstacle kind {self.kind}: profile() is not a number (nan) somewhere; use 0 to 1")
-            return np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
+            return levels_of(self, f, (rows.stop - rows.start, y.size))
 
         levels = _by_rows(window, part)
         return Patch(window, levels, self.covers(levels, x, y, first, last))
@@ -276,9 +271,9 @@ class Shaped(Obstacle):
         first, last = ((at[0], at[1]) for at in columns)  # arrays in place of numbers
         with np.errstate(over="ignore"):  # a slope of almost no width
             f = self.profile(x, y, first, last, grid)
-        levels = np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
+        levels = levels_of(self, f, (len(ends), *grid.shape))
         footprint = self.covers(levels, x, y, first, last)
-        margin = np.ceil(self.overhang(grid))
+        margin = margin_of(self, grid)
         for at, a, b in zip((x, y), first, last, strict=True):
             footprint = footprint & (at >= np.minimum(a, b) - margin) & (at <= np.maximum(a, b) + margin)
         return Patch(EVERYWHERE, levels, footprint)
@@ -424,6 +419,7 @@ class Layout(Filling):
         """Return the layout between two ends that are so far apart, (..., n_x, n_y), and the covered cells."""
         shape = abs(span[0]) + 1, abs(span[1]) + 1
         levels, covered = self.laid_out(shape, random(self.draws(shape)))
+        refuse_other_layout(self, levels, covered, shape)
         lower = np.floor(np.abs(levels) * (1 - self.softness / 100) + SLACK)
         x, y = (slice(None, None, 1 if along >= 0 else -1) for along in span)
         return (np.sign(levels) * lower).astype(np.int16)[..., x, y], covered[x, y]

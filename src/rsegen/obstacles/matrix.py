@@ -16,8 +16,9 @@ import numpy as np
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Ints
-from rsegen.obstacles.base import SLACK, Grid, Obstacle, Patch, elementwise, register
+from rsegen.obstacles.base import Grid, Obstacle, Patch, elementwise, register
 from rsegen.obstacles.ends import ends_of_size
+from rsegen.obstacles.given import SLACK
 from rsegen.params.sorts import ANYWHERE, MOST_LEVELS, Cell, Json, Place, as_int, parameters, refuse_longer
 
 _ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"

@@ -26,7 +26,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, Levels, Mask
-from rsegen.obstacles.base import SLACK, Filling, Grid, Obstacle, Patch, register
+from rsegen.obstacles.base import Filling, Grid, Obstacle, Patch, register
+from rsegen.obstacles.given import SLACK
 from rsegen.obstacles.rearranged import rearranged
 from rsegen.params.arrays import order_of_draws
 from rsegen.params.sorts import Cell, Choice, Integer, ListOf

@@ -15,7 +15,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.obstacles.base import SLACK, Layout, register
+from rsegen.obstacles.base import Layout, register
+from rsegen.obstacles.given import SLACK
 from rsegen.params.sorts import Cell, Choice, Integer
 
 

@@ -17,6 +17,7 @@ somebody else declares itself by the same means, through an entry point of the g
 from __future__ import annotations
 
 import re
+import sys
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache, partial
@@ -27,7 +28,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
 from rsegen.params.extras import Extra
-from rsegen.params.plugins import entry_points, failure
+from rsegen.params.plugins import Source, entry_points, failure, plugins
 
 _Imported = TypeVar("_Imported")
 
@@ -261,6 +262,27 @@ def _words_at(capability: str, place: str) -> Any:
     return next(_declared(capability, place), {})
 
 
+def used_sources() -> tuple[Source, ...]:
+    """Return the packages and files of others of which this process has imported code: what they give may be wrong.
+
+    The declaration of a capability is imported at every start, and does not count.
+    """
+    used = [plugin.source for plugin in plugins()]
+    for offer in entry_points():
+        places = [offer.value]
+        if offer.group == "rsegen.capabilities":
+            places = _places(capabilities()[offer.name]) if offer.name in capabilities() else []
+        used += [offer.source] if any(place.partition(":")[0].strip() in sys.modules for place in places) else []
+    return tuple(dict.fromkeys(used))
+
+
+def _places(capability: Capability) -> list[str]:
+    """Return where the code of a capability is, as `module` or `module:name`."""
+    one = (getattr(capability, name) for name in ("targets", "reads", "crossers", "predictor", "certainty", "doctor"))
+    several = (*capability.public, *capability.sidecars, *capability.calls, *capability.words.values())
+    return [*(command.module for command in capability.commands), *several, *one]
+
+
 @cache
 def all_extras() -> Mapping[str, Extra]:
     """Return every extra by its name; what several capabilities use it for is joined."""
@@ -304,11 +326,11 @@ def _imported(place: str, problem: Callable[[Any], str] = lambda hook: "") -> An
 
 def _of_package(capability: str, imported: Callable[[], _Imported]) -> _Imported:
     """Return what is imported for a capability; if another package's fails, a PluginError that names the package."""
+    if capability in own_capabilities():  # rsegen's own: a mistake is to be seen with its traceback
+        return imported()
+    offer = next(offer for offer in entry_points("rsegen.capabilities") if offer.name == capability)
     try:
         return imported()
-    except Exception as error:
-        if capability in own_capabilities():  # rsegen's own: a mistake to be seen with its traceback
-            raise
-        offer = next(offer for offer in entry_points("rsegen.capabilities") if offer.name == capability)
+    except (Exception, SystemExit) as error:
         problem = str(error) if isinstance(error, PluginError) else failure(error)
         raise PluginError(f"{offer}: {problem}") from None

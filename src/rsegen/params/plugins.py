@@ -197,6 +197,17 @@ def failure(error: BaseException, file: str = "") -> str:
     return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
 
 
+def failure_of_plugin(error: BaseException) -> str:
+    """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
+    # The innermost frame of a plug-in counts: below it is what it called, perhaps rsegen again.
+    for frame, _ in reversed([*walk_tb(error.__traceback__)]):
+        file = frame.f_code.co_filename
+        if source := source_of_file(file):
+            place = f"{os.path.basename(file)}, " if source.version else ""  # a file is its own name
+            return f"plug-in {source}: {place}{failure(error, file)}"
+    return ""
+
+
 def _from_name(name: str) -> ModuleType:
     try:
         return import_module(name)

@@ -167,7 +167,7 @@ class _InManyMaps:
                 self._impose(own, obstacle.patch(self._grid, first, last, rng))
 
     def _impose(self, levels: Any, patch: Patch) -> None:
-        refuse_other_levels(self._obstacle, patch)
+        refuse_other_levels(self._obstacle, patch, self._grid)
         patch = patch._replace(levels=asarray(patch.levels, levels), footprint=asarray(patch.footprint, levels))
         impose(levels, patch, self._obstacle.blend, self._recipe.level_range)
 

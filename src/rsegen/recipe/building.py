@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import PluginError, TooLarge, inside, refuse_other
+from rsegen.errors import PluginError, TooLarge, inside, refuse_other, shown
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.obstacles import Grid, Obstacle, Patch
 from rsegen.params.arrays import cast, namespace, overwrite
@@ -74,17 +74,28 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
     rng = generator(recipe.seed, index, obstacle.key or "")
     first, last = obstacle.ends(recipe.grid, *obstacle.wanted_ends(recipe.grid), rng)
     patch = obstacle.patch(recipe.grid, first, last, rng)
-    refuse_other_levels(obstacle, patch)
+    refuse_other_levels(obstacle, patch, recipe.grid)
     return first, last, patch
 
 
-def refuse_other_levels(obstacle: Obstacle, patch: Patch) -> None:
-    """Raise a PluginError if a kind of a plug-in gives levels that are no integers, or none of its `level_range`."""
-    levels = patch.levels
-    if is_own(obstacle) or not isinstance(levels, np.ndarray):
+def refuse_other_levels(obstacle: Obstacle, patch: Any, grid: Grid) -> None:
+    """Raise a PluginError if a plug-in's kind gives no fitting patch, or levels that are not of its `level_range`."""
+    if is_own(obstacle):
         return
-    if levels.dtype.kind not in "iu":
-        raise PluginError(f"obstacle kind {obstacle.kind}: levels of {levels.dtype}; expected integers")
+    if not isinstance(patch, Patch):
+        expected = "expected a rsegen.obstacles.base.Patch"
+        raise PluginError(f"obstacle kind {obstacle.kind}: patch() gave {shown(patch)}; {expected}")
+    levels: Any = patch.levels
+    if not isinstance(levels, np.ndarray) and hasattr(levels, "dtype"):  # a tensor, of many maps
+        return
+    kind = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
+    if not isinstance(levels, np.ndarray) or levels.dtype.kind not in "iu":
+        raise PluginError(f"obstacle kind {obstacle.kind}: levels of {kind}; expected integers")
+    window = tuple(len(range(*part.indices(n))) for part, n in zip(patch.window, grid.shape, strict=True))
+    shapes = levels.shape[-2:], np.shape(patch.footprint)[-2:]
+    if any(shape not in (window, (window[0], 1), (1, window[1]), (1, 1)) for shape in shapes):
+        problem = f"levels and footprint of the shapes {shapes[0]} and {shapes[1]}; its window has {window}"
+        raise PluginError(f"obstacle kind {obstacle.kind}: {problem}")
     own = levels[np.broadcast_to(patch.footprint, levels.shape)]  # it may be the same in many maps
     low, high = obstacle.level_range
     if own.size and not low <= own.min() <= own.max() <= high:

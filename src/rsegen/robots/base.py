@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from functools import lru_cache
 from typing import ClassVar
 
@@ -219,10 +219,10 @@ def _checked_simulator(simulator: str) -> str:
     return simulator
 
 
-def _problem(robot: RobotOnField) -> str:
+def _problem(robot: Robot) -> str:
     """Return the first thing that is wrong with a plug-in's robot; an empty text if nothing is."""
-    problems = (_wrong_texts, _wrong_links, _wrong_drive, _wrong_numbers)
-    return next((text for find in problems for text in find(robot)), "") if isinstance(robot, Robot) else ""
+    problems = (_wrong_texts, _wrong_links, _wrong_drive, _wrong_numbers, _wrong_shapes, _wrong_model)
+    return next((text for find in problems for text in find(robot)), "")
 
 
 def _wrong_texts(robot: Robot) -> Iterator[str]:
@@ -253,6 +253,12 @@ def _wrong_drive(robot: Robot) -> Iterator[str]:
     moved = {*robot.drive.joints, *(servo.joint for servo in robot.servos)}
     for name in sorted((moved - joints) | (set(links) - {link.name for link in robot.links})):
         yield f"drives {shown(name)}, which it does not have"
+    if len(robot.drive.left) != len(robot.drive.right) or not robot.drive.left:
+        sides = f"{len(robot.drive.left)} on the left and {len(robot.drive.right)} on the right"
+        yield f"drives {sides}; expected as many on either side, and at least one"
+    for joint in robot.joints:
+        if joint.name in moved and not (joint.axis and any(joint.axis)):
+            yield f"drives its joint {shown(joint.name)}, which has no axis"
 
 
 def _wrong_numbers(robot: Robot) -> Iterator[str]:
@@ -269,11 +275,36 @@ def _wrong_numbers(robot: Robot) -> Iterator[str]:
             yield f"has {shown(value)} as its {what}; expected a number from 0 on"
 
 
+def _wrong_shapes(robot: Robot) -> Iterator[str]:
+    """Yield lengths of shapes that are not above 0, poses that are not of six numbers, and a size without three."""
+    if np.shape(robot.size) != (3,):
+        yield f"has {shown(robot.size)} as its size; expected three lengths"
+    for link in robot.links:
+        solids = (link.solid, *(part.solid for part in link.parts))
+        lengths = [length for solid in solids for size in astuple(solid) for length in np.ravel(size).tolist()]
+        if not all(0 < length < math.inf for length in lengths):
+            yield f"has a shape of {min(lengths)} m in its link {shown(link.name)}; expected a number above 0"
+        for pose in (link.pose, link.centre, *(part.pose for part in link.parts)):
+            if len(pose) != 6 or not all(map(math.isfinite, pose)):
+                yield f"has the pose {shown(pose)} in its link {shown(link.name)}; expected six numbers"
+
+
+def _wrong_model(robot: Robot) -> Iterator[str]:
+    """Yield that its model is not XML, as with a < in a name."""
+    from xml.etree.ElementTree import ParseError, fromstring
+
+    for simulator in BACKENDS:
+        try:
+            fromstring(robot.model("robot", simulator, lidar=robot.lidar is not None))  # noqa: S314  # of code that runs
+        except ParseError as error:
+            yield f"has a model that is no XML ({error}); use plain names"
+
+
 ROBOTS: Registry[Robot] = Registry(
     "robot",
     package="rsegen.robots",
     group="rsegen.robots",
-    contract=Contract(base=RobotOnField, names=lambda robot: (robot.kind,), check=_problem, is_class=False),
+    contract=Contract(base=Robot, names=lambda robot: (robot.kind,), check=_problem, is_class=False),
 )
 """Every robot by its kind."""
 

@@ -102,7 +102,8 @@ class EmbeddedSimulator(ABC):
     def refuse_missing(self) -> None:
         """Raise a NoSimulator if its library is not installed."""
         if self.version() is None:
-            raise NoSimulator(f"{self.title} is not installed; to install it: {'; '.join(self.how_to_install)}")
+            how = f"; to install it: {'; '.join(self.how_to_install)}" if self.how_to_install else ""
+            raise NoSimulator(f"{self.title} is not installed{how}")
 
     @abstractmethod
     def world(
@@ -160,7 +161,7 @@ def embedded_simulator(name: str | None) -> EmbeddedSimulator | None:
     UnknownName, which lists all simulators, for any other name.
     """
     if name is None:
-        return next(iter(EMBEDDED.values()), None)
+        return next(iter(EMBEDDED.own() or EMBEDDED.values()), None)
     if name not in EMBEDDED and name not in SIMULATORS:
         # A user who writes "gazebo" is told the names of both.
         meant = [*SIMULATORS] if name.lower() in ("gazebo", "gz", "ign", "ignition") else []

@@ -16,12 +16,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from math import inf
+from functools import partial
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import IO, Any, NoReturn
 
 from rsegen.errors import RsegenError, SimulatorFailed
+from rsegen.params.plugins import failure, failure_of_plugin, with_plugins
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import compose
@@ -31,6 +32,9 @@ from rsegen.simulators.poses import Pose
 
 _PIECE = 0.02
 """Simulated seconds between two looks for a request."""
+
+_NEVER = 1e9
+"""Seconds between two rows of a record that nobody reads."""
 
 _GOES = 10.0
 """Seconds within which the process ends when its stdin does; it is killed then."""
@@ -102,7 +106,7 @@ def world_in_process(task: Task) -> Iterator[EmbeddedProcess]:
     try:
         world = EmbeddedProcess(process)
         try:
-            _send(process.stdin, task)
+            _send(process.stdin, with_plugins(partial(_loaded, task)))
         except OSError:
             raise SimulatorFailed("the process of the simulator has ended") from None
         world.clock()  # when it is loaded
@@ -184,7 +188,7 @@ class _Runner:
 def _loaded(task: Task) -> _Runner:
     simulator = embedded_simulator(task.simulator)
     assert simulator is not None  # noqa: S101  # it was chosen by its name
-    return _Runner(task, simulator.world(compose(task.recipe), task.robots, period=inf))
+    return _Runner(task, simulator.world(compose(task.recipe), task.robots, period=_NEVER))
 
 
 def _answer(runner: _Runner, request: tuple[str, Sequence[Any]]) -> tuple[bool, Any]:
@@ -192,8 +196,13 @@ def _answer(runner: _Runner, request: tuple[str, Sequence[Any]]) -> tuple[bool, 
     method, values = request
     try:
         return True, getattr(runner, method)(*values)
-    except RsegenError as error:
-        return False, str(error)
+    except (Exception, SystemExit) as error:  # it may be a plug-in's simulator, and fail in any way
+        return False, _reason(error)
+
+
+def _reason(error: BaseException) -> str:
+    """Return why the simulator cannot go on, in words."""
+    return str(error) if isinstance(error, RsegenError) else failure_of_plugin(error) or failure(error)
 
 
 def _next(requests: SimpleQueue[Any], runner: _Runner) -> Any:
@@ -212,12 +221,14 @@ def _next(requests: SimpleQueue[Any], runner: _Runner) -> Any:
 def _run(requests: SimpleQueue[Any], answers: IO[bytes]) -> None:
     """Load the world of the first request, and answer the others until the last one, or until the physics fails."""
     try:
-        runner = _loaded(requests.get())
+        runner = requests.get()()
         while (request := _next(requests, runner)) is not None:
             _send(answers, _answer(runner, request))
-    except RsegenError as error:  # between two requests: the next ones get the reason
+    except BrokenPipeError:
+        raise
+    except (Exception, SystemExit) as error:  # between two requests: the next ones get the reason
         while requests.get() is not None:
-            _send(answers, (False, str(error)))
+            _send(answers, (False, _reason(error)))
 
 
 def main() -> NoReturn:
@@ -231,6 +242,8 @@ def main() -> NoReturn:
             while True:
                 requests.put(pickle.load(sys.stdin.buffer))  # noqa: S301  # of the program that has started this one
         except EOFError:
+            pass
+        finally:  # also if what comes cannot be unpickled
             requests.put(None)
 
     Thread(target=read, daemon=True).start()

@@ -149,7 +149,7 @@ def attempted(once: Callable[[], Result]) -> tuple[Result, int]:
     try:
         return once(), ATTEMPTS
     except SimulatorFailed as error:
-        raise SimulatorFailed(f"{error}\nthis was attempt {ATTEMPTS} of {ATTEMPTS}") from None
+        raise SimulatorFailed(f"{error}; this was attempt {ATTEMPTS} of {ATTEMPTS}") from None
 
 
 def choose_installation(made_for: str, name: str | None, timeout: float = SECONDS) -> Installation:
