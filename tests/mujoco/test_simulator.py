@@ -15,8 +15,9 @@ import pytest
 import rsegen
 from rsegen.errors import FileError, NoSimulator, UnknownName
 from rsegen.mujoco.simulator import Mujoco
+from rsegen.params.registry import Registry
 from rsegen.robots.files.mjcf_compile import compiled
-from rsegen.simulators.embedded import EMBEDDED, embedded_simulator
+from rsegen.simulators.embedded import EMBEDDED, EmbeddedSimulator, embedded_simulator
 
 RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
 
@@ -83,5 +84,6 @@ def test_names_are_those_of_all_simulators() -> None:
 
 
 def test_without_the_capability_a_drive_asks_for_a_gazebo(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rsegen.simulators.embedded.EMBEDDED", {})
+    none = Registry[EmbeddedSimulator]("embedded simulator", contract=EMBEDDED.contract)
+    monkeypatch.setattr("rsegen.simulators.embedded.EMBEDDED", none)
     assert embedded_simulator(None) is None

@@ -1,4 +1,4 @@
-"""What a kind of a plug-in gives is levels of a map, or is refused in a line."""
+"""Kinds of plug-ins give levels of a map, or are refused in a line."""
 
 from __future__ import annotations
 

@@ -217,6 +217,7 @@ class Heights:
 
         from rsegen.heights.coordinate_system import CellSides
 
+        # First the levels, which all else is laid over, and then what may be missing.
         levels = np.asarray(self.levels)
         if levels is not self.levels or levels.dtype.kind not in "iu" or levels.ndim != 2 or not levels.size:
             got = f"{type(self.levels).__name__} of {levels.dtype}, of shape {levels.shape}"

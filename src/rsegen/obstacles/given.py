@@ -30,7 +30,7 @@ def levels_of(shape: Shaped, profile: object, cells: tuple[int, ...]) -> Levels:
         f = np.broadcast_to(np.asarray(profile).astype(float, casting="same_kind", copy=False), cells)
     except (TypeError, ValueError):
         raise PluginError(f"{where} gave {shown(profile)}; expected an array of floats of shape {cells}") from None
-    if np.isnan(f).any():
+    if math.isnan(f.min(initial=0)):  # which is nan if any is
         raise PluginError(f"{where} is not a number (nan) somewhere; use 0 to 1")
     levels = np.floor((shape.levels - 1) * f + SLACK)
     if not is_own(shape):
