@@ -465,10 +465,32 @@ def test_an_internal_error_names_packages_that_are_used_alone(tmp_path: Path) ->
     found = run(packages=tmp_path, code=f"{failing}; sys.exit(main(['doctor']))")
     assert (found.returncode, found.stderr.count("\n")) == (1, 1)
     assert found.stderr.startswith("rsegen: internal error, please report it: TypeError: ")
-    found = run("dig", packages=tmp_path)
-    assert (found.returncode, found.stderr.count("\n")) == (1, 1)
-    blamed = "rsegen: error in rsegen, or in what a plug-in gave it (sandbox 0.3): TypeError: add_dig() takes"
-    assert found.stderr.startswith(blamed)
+
+
+@pytest.mark.parametrize(
+    ("add", "problem"),
+    [
+        ("()", "TypeError: add_dig() takes 0 positional arguments but 1 was given"),
+        ("(parser, *, more)", "TypeError: add_dig() missing 1 required keyword-only argument: 'more'"),
+        ("(parser): raise ValueError('dust')", "ValueError: dust"),
+    ],
+)
+def test_a_command_that_cannot_add_its_flags_is_left_out_of_the_page(add: str, problem: str, tmp_path: Path) -> None:
+    sand = f"def add_dig{add if ':' in add else f'{add}: pass'}\ndef run_dig(arguments): pass\n"
+    declaring(tmp_path, "commands=(Command('dig', 'measure', 'dig', 'dunes.sand'),)", sand)
+    assert refused("dig", packages=tmp_path) == f"rsegen: {NAMED}{problem}"
+    listed = run(packages=tmp_path, code=FORMS)
+    assert listed.stdout.split() == ["True", "False", "True", "False"]
+    assert listed.stderr.count(f"{NAMED}{problem}; it is left out") == 1
+
+
+FORMS = """
+from rsegen.page.command_forms import command_forms
+from rsegen.page.manual import manual_page
+
+print("drive" in command_forms(), "dig" in command_forms())
+print('id="drive"' in manual_page(), 'id="dig"' in manual_page())
+"""
 
 
 def test_a_metric_may_be_an_integer_beyond_all_floats() -> None:

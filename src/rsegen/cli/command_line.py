@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from rsegen import __version__
 from rsegen.cli.parser import FLAG, VARIABLE, Parser
-from rsegen.params.capabilities import command_functions, commands, unknown_command
+from rsegen.errors import PluginError
+from rsegen.params.capabilities import command_functions, commands, left_out, unknown_command
 
 OVERVIEW = """\
 rsegen makes Random Step Environments (NIST stepfields) as worlds and models for robot simulators.
@@ -55,6 +56,17 @@ def parser_of(command: str, empty: Parser | None = None) -> Parser:
     add_shared_flags(full, add)
     full.set_defaults(run=run)
     return full
+
+
+def parsers() -> Iterator[tuple[str, Parser]]:
+    """Yield every command with its parser; one of another package that has none is left out with a warning."""
+    for name in commands():
+        try:
+            made = parser_of(name)
+        except PluginError as error:
+            left_out(str(error))
+        else:
+            yield name, made
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, TypedDict
 
-from rsegen.cli.command_line import parser_of
+from rsegen.cli.command_line import parsers
 from rsegen.cli.flags import RECIPE
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.page.forms import BASIC, Field, Schema, field
@@ -233,9 +233,7 @@ def _inside(name: str, text: str, places: Places) -> str:
 @cache
 def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
-    return {
-        name: CommandForm.of(known, parser_of(name)) for name, known in commands().items() if name not in _OF_A_SHELL
-    }
+    return {name: CommandForm.of(commands()[name], own) for name, own in parsers() if name not in _OF_A_SHELL}
 
 
 def command_form(name: str) -> CommandForm:

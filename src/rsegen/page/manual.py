@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 
 import rsegen
-from rsegen.cli.command_line import parser_of
+from rsegen.cli.command_line import parsers
 from rsegen.cli.reference import run_obstacles
 from rsegen.page.shown_map import source_of
 from rsegen.params.capabilities import commands
@@ -38,8 +38,8 @@ def _lines() -> Iterator[str]:
         yield from (f"<li>{_link(command.name)} {escape(command.help)}</li>" for command in own)
         yield "</ul>"
     yield f'<h3>obstacles</h3><ul><li><a href="#{OBSTACLES}">all kinds</a> with their parameters</li></ul></nav>'
-    for name in commands():
-        yield _section(name, f"rsegen {name}", parser_of(name).format_help())
+    for name, parser in parsers():
+        yield _section(name, f"rsegen {name}", parser.format_help())
     yield _section(OBSTACLES, "Obstacles", "\n".join(run_obstacles(argparse.Namespace(kind=None)).lines))
     yield "</main></body></html>"
 

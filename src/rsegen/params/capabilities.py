@@ -202,13 +202,12 @@ def commands() -> Mapping[str, Command]:
 def command_functions(name: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return the function that adds the flags of a command, and the one that runs it; imports its module.
 
-    PluginError if it is the command of another package that has none.
+    PluginError if it is the command of another package that has none, or fails to add its flags.
     """
     module, written = commands()[name].module, name.replace("-", "_")
-    return _of_package(
-        next(known for known, capability in capabilities().items() if commands()[name] in capability.commands),
-        lambda: (_imported(f"{module}:add_{written}"), _imported(f"{module}:run_{written}")),
-    )
+    owner = next(known for known, capability in capabilities().items() if commands()[name] in capability.commands)
+    add, run = _of_package(owner, lambda: (_imported(f"{module}:add_{written}"), _imported(f"{module}:run_{written}")))
+    return lambda parser: _of_package(owner, lambda: add(parser)), run
 
 
 def unknown_command(name: str, known: Collection[str] | None = None) -> UnknownName:

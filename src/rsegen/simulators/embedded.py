@@ -115,7 +115,10 @@ class EmbeddedSimulator(ABC):
         period: float = 0.05,
         built: AsBuilt = AS_DRAWN,
     ) -> EmbeddedWorld:
-        """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
+        """Return the world of a scene with robots at their starts; period: seconds between two rows of the record.
+
+        It is 0.05, or, where nobody reads a record, 1e9.
+        """
 
     def show(
         self,
