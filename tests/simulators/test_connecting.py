@@ -139,6 +139,24 @@ def test_an_address_of_the_user_s_own_comes_first(
     assert connecting.opened_folder(newer) == []  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(("chosen", "folders"), [("first", ["one"]), ("second", ["two"]), ("a third", [])])
+def test_the_folder_of_a_simulation_is_known_at_the_address_that_was_printed(
+    chosen: str,
+    folders: list[str],
+    simulators: tuple[Noted, Noted],
+    state_folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    newer, _ = simulators
+    left_by(os.getppid(), "newer", "first", tmp_path / "one" / "map", state_folder)
+    left_by(os.getpid(), "newer", "second", tmp_path / "two" / "map", state_folder)
+    monkeypatch.setenv("NOTED_ADDRESS", chosen)
+    assert use() is newer.made[0]
+    assert newer.asked == [chosen]
+    assert connecting.opened_folder(newer) == [tmp_path / name for name in folders]  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("content", ["", "[]", "5", '{"simulator": "older"}', '{"simulator": "older", "address": 5}'])
 def test_what_is_no_announcement_is_passed_over(
     content: str, simulators: tuple[Noted, Noted], state_folder: Path

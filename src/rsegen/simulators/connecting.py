@@ -114,9 +114,18 @@ def _places(simulators: Sequence[Simulator]) -> Iterator[_Place]:
         simulator for simulator in simulators if any(name in os.environ for name in simulator.address_variables)
     ]
     others = [simulator for simulator in simulators if simulator not in addressed]
-    yield from map(_Place, addressed)
-    yield from _announced(others)
+    opened = list(_announced(simulators))
+    for simulator in addressed:
+        at_it = (place.folder for place in opened if place.simulator is simulator and _is_set(place.address))
+        yield _Place(simulator, folder=next(at_it, None))
+    yield from (place for place in opened if place.simulator in others)
     yield from map(_Place, others)
+
+
+def _is_set(address: Mapping[str, str]) -> bool:
+    """Return whether the user's variables say this address, in those of its variables that they set."""
+    own = {name: os.environ[name] for name in address if name in os.environ}
+    return bool(own) and own.items() <= address.items()
 
 
 @contextmanager
