@@ -8,6 +8,9 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+
+import pytest
 
 DEMO = Path(__file__).parent / "demo"
 RAMP = "ramp levels=5 first=0,0 last=8,9 tread=2"
@@ -39,6 +42,21 @@ def declare(folder: Path, name: str, version: str, offers: str) -> None:
     metadata.mkdir(parents=True)
     (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
     (metadata / "entry_points.txt").write_text(offers)
+
+
+def installed(folder: Path, source: str, offers: str = "[rsegen.obstacles]\ndune = dunes:Dune\n") -> Path:
+    """Install a package `sandbox` with one module, `dunes`; return the folder."""
+    (folder / "dunes.py").write_text(source)
+    declare(folder, "sandbox", "0.3", offers)
+    return folder
+
+
+def module_of(source: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """Run the source of a plug-in in this process, as a module `dunes` that a test has for itself."""
+    module = ModuleType("dunes")
+    monkeypatch.setitem(sys.modules, "dunes", module)
+    exec(source, vars(module))  # noqa: S102  # as a plug-in is run
+    return module
 
 
 def entry_points() -> str:

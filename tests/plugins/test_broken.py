@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import importlib
 import re
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 from rsegen import Recipe, build, build_many
 from rsegen.errors import PluginError
 from rsegen.measuring.catalogue import Metric
-from tests.plugins.installed import declare, done, refused, run
+from tests.plugins.installed import declare, done, installed, module_of, refused, run
 
 GOOD = '''
 from dataclasses import dataclass
@@ -52,12 +50,6 @@ BROKEN = {
     ),
     f"the parameter 'grain' {NO_SORT}": GOOD.replace('"dune"\n', '"dune"\n    grain: Annotated[str, "x"] = "a"\n'),
 }
-
-
-def installed(folder: Path, source: str, offers: str = "[rsegen.obstacles]\ndune = dunes:Dune\n") -> Path:
-    (folder / "dunes.py").write_text(source)
-    declare(folder, "sandbox", "0.3", offers)
-    return folder
 
 
 def test_broken_plug_ins_are_named_in_a_line_each_and_the_others_work(tmp_path: Path) -> None:
@@ -235,9 +227,7 @@ OTHER_LEVELS = {
 
 @pytest.mark.parametrize("complaint", OTHER_LEVELS)
 def test_levels_that_a_recipe_does_not_have_are_refused(complaint: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = ModuleType("dunes")
-    monkeypatch.setitem(sys.modules, "dunes", module)
-    exec(OTHER_LEVELS[complaint], vars(module))  # noqa: S102  # as a plug-in is run
+    module = module_of(OTHER_LEVELS[complaint], monkeypatch)
     recipe = Recipe(seed=7, obstacles=[module.Dune(levels=5)])
     for make in (lambda: build(recipe), lambda: build_many(recipe, range(3))):
         with pytest.raises(PluginError, match=re.escape(complaint)):

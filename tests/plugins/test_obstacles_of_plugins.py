@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from rsegen import Obstacle, Recipe, build, build_many
 from rsegen.errors import PluginError
+from tests.plugins.installed import module_of
 
 DUNE = '''
 from dataclasses import dataclass
@@ -45,10 +44,8 @@ def dune(
     monkeypatch: pytest.MonkeyPatch, given: str, *, base: str = "Shaped", overhang: str = "0.0", mark: str = ""
 ) -> Recipe:
     """A map with a kind whose method gives this, from the first to the last of ten cells."""
-    module = ModuleType("dunes")
-    monkeypatch.setitem(sys.modules, "dunes", module)
     words = {"BASE": base, "METHOD": METHODS[base], "OVERHANG": overhang, "MARK": mark, "GIVEN": given}
-    exec(re.sub("|".join(words), lambda word: words[word[0]], DUNE), vars(module))  # noqa: S102  # as a plug-in is run
+    module = module_of(re.sub("|".join(words), lambda word: words[word[0]], DUNE), monkeypatch)
     obstacle: Obstacle = module.Dune(levels=3, first=(0, 0), last=(9, 9))
     return Recipe(seed=1, boundary="none", obstacles=[obstacle])
 

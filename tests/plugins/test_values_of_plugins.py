@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -23,15 +21,7 @@ from rsegen.robots.links import Box
 from rsegen.robots.lookup import robot_of, robot_of_kind
 from rsegen.scene.scene import compose
 from rsegen.writing.store import write_folder
-from tests.plugins.installed import declare, refused, run
-
-
-def installed(folder: Path, source: str, offers: str) -> Path:
-    """A package with one module, `dunes`."""
-    (folder / "dunes.py").write_text(source)
-    declare(folder, "sandbox", "0.3", offers)
-    return folder
-
+from tests.plugins.installed import installed, module_of, refused, run
 
 OF_FILES = '''
 from dataclasses import dataclass
@@ -66,9 +56,7 @@ NO_FILES = {
 def test_what_is_no_file_of_a_format_is_refused_with_its_name(
     value: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = ModuleType("sands")
-    monkeypatch.setitem(sys.modules, "sands", module)
-    exec(OF_FILES.replace("GIVEN", value), vars(module))  # noqa: S102  # as a plug-in is run
+    module = module_of(OF_FILES.replace("GIVEN", value), monkeypatch)
     complaint = re.escape(f"plug-in sand: files() {NO_FILES[value]}")
     with pytest.raises(PluginError, match=complaint):
         write_folder(added(compose(Recipe(seed=1), 0), [module.Sand()]), tmp_path / "out", force=False)
@@ -76,10 +64,8 @@ def test_what_is_no_file_of_a_format_is_refused_with_its_name(
 
 
 def test_bytes_of_any_sort_are_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = ModuleType("sands")
-    monkeypatch.setitem(sys.modules, "sands", module)
     given = "{'sand.txt': (part for part in [b'a', bytearray(b'b'), memoryview(b'c')])}"
-    exec(OF_FILES.replace("GIVEN", given), vars(module))  # noqa: S102  # as a plug-in is run
+    module = module_of(OF_FILES.replace("GIVEN", given), monkeypatch)
     write_folder(added(compose(Recipe(seed=1), 0), [module.Sand()]), tmp_path / "out", force=False)
     assert (tmp_path / "out" / "sand" / "sand.txt").read_bytes() == b"abc"
 

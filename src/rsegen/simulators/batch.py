@@ -16,7 +16,7 @@ from rsegen.params.registry import Contract, Registry
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import EMBEDDED, PlacedRobot
+from rsegen.simulators.embedded import EMBEDDED, PlacedRobot, embedded_simulator
 
 
 class BatchWorlds(ABC):
@@ -85,7 +85,8 @@ register = BATCH.register
 
 def simulators_of_many_maps() -> tuple[str, ...]:
     """Return the names of the simulators that drive over many maps: the one in the box, then those of batches."""
-    return *[*EMBEDDED][:1], *BATCH
+    in_the_box = embedded_simulator(None)
+    return *([in_the_box.name] if in_the_box else []), *BATCH
 
 
 def batch_simulator(name: str | None) -> BatchSimulator | None:

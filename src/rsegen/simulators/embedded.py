@@ -146,7 +146,7 @@ def _problem(cls: type[EmbeddedSimulator]) -> str:
 
 EMBEDDED: Registry[EmbeddedSimulator] = Registry(
     "embedded simulator",
-    order=lambda simulator: not is_own(simulator),  # the first is the one of whoever names none
+    order=lambda simulator: not is_own(simulator),
     group="rsegen.embedded_simulators",
     contract=Contract(
         base=EmbeddedSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls(), check=_problem
@@ -159,7 +159,7 @@ register = EMBEDDED.register
 
 
 def embedded_simulator(name: str | None) -> EmbeddedSimulator | None:
-    """Return the embedded simulator of a name, by default the first that exists; None if the name is a server's.
+    """Return the embedded simulator of a name, by default the first of rsegen's own; None if the name is a server's.
 
     UnknownName, which lists all simulators, for any other name.
     """
