@@ -33,7 +33,7 @@ Made by `make bench-contact` in {simulator}; ranked by how far soft wheels stray
 blocks of equal height, at up to five headings: sideways error at the end in mm, mean (max) / standard deviation of the
 roll in mrad. Drops: how many of the bodies do not rest where they should (more than 1 mm too high or low, moved by more
 than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost: CPU s of the server for a simulated
-second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
+second with all robots driving. Load: CPU s. Memory: MiB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
 heights over time and rolls come from Gazebo's record, which has three digits. What a robot of a manufacturer makes of
 them, and of other settings of ODE, is in [straight drives](straight.md#what-settings-of-gazebo-classic-change).

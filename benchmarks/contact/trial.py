@@ -57,7 +57,7 @@ class Rest:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trial:
-    """Outcome of a run; cost: CPU s a simulated second; load: s, and CPU s; memory: MB when loaded."""
+    """Outcome of a run; cost: CPU s a simulated second; load: s, and CPU s; memory: MiB when loaded."""
 
     construction: str
     seed: int

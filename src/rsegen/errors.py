@@ -27,8 +27,7 @@ from __future__ import annotations
 
 import errno
 import reprlib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 REFUSED = frozenset(
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
@@ -142,13 +141,20 @@ class NoSpot(ParameterError):
     """A map has too few places at which a robot can start; the message describes the best one."""
 
 
-@contextmanager
-def inside(outer: str) -> Iterator[None]:
-    """Prefix the place of ParameterErrors that are raised inside with an outer one."""
-    try:
-        yield
-    except ParameterError as error:
-        raise error.inside(outer) from None
+class inside:  # noqa: N801  # read as the word that it is: with inside("obstacles[0]")
+    """A context that prefixes the place of ParameterErrors that are raised inside with an outer one."""
+
+    __slots__ = ("_outer",)
+
+    def __init__(self, outer: str) -> None:
+        self._outer = outer
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ParameterError):
+            raise error.inside(self._outer) from None
 
 
 class UnknownName(ParameterError):

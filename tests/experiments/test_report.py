@@ -44,7 +44,7 @@ PLAN = ExperimentPlan(
 )
 COMMAND = "rsegen experiment my/known.yaml --simulator classic -o costs"
 MACHINE = {"processor": "a quick one", "cores": "2"}
-COSTS = ("12 % (mean 12 %)", "170 MB (mean 170 MB)")
+COSTS = ("12 % (mean 12 %)", "170 MiB (mean 170 MiB)")
 BURGERS = FIGURES[PublishedRow("burger", 3, 1, 5)]
 
 
@@ -76,7 +76,7 @@ def test_the_page_has_costs_drives_and_the_figures_of_the_paper(results: Results
     found = rows(text)
     assert found["processor"] == ["a quick one"]
     assert found["80 x 80"] == [
-        "0.85-1.00 (0.97)", "20 % of a core", "12 % (mean 12 %)", "170 MB (mean 170 MB)", "1.0 s", "4.0", "0.80",
+        "0.85-1.00 (0.97)", "20 % of a core", "12 % (mean 12 %)", "170 MiB (mean 170 MiB)", "1.0 s", "4.0", "0.80",
         "1.50 m in 20 s / 1.50 m in 20 s", "10 % / 10 %", "0.00 / 0.00", "2.0 % / 2.0 %", *BURGERS[80],
     ]  # fmt: skip
     assert found["20 x 20"][6] == "0.80"
@@ -93,8 +93,8 @@ def test_means_stand_beside_the_paper_s_means_and_nowhere_else(results: Results)
     ]
     cells = {Cell(row=row, size=size, pace="real"): trials for row, size in ((0, 80), (1, 20))}
     found = rows(report_page(replace(PLAN, paces=("real",)), cells, MACHINE, COMMAND))
-    assert found["80 x 80"][2:4] == ["11 % (mean 27 %)", "110 MB (mean 270 MB)"]
-    assert found["20 x 20"][2:4] == ["11 %", "110 MB"]
+    assert found["80 x 80"][2:4] == ["11 % (mean 27 %)", "110 MiB (mean 270 MiB)"]
+    assert found["20 x 20"][2:4] == ["11 %", "110 MiB"]
     said = "The paper has means of three runs of CPU and memory; next to its figures, our means are in brackets."
     assert said in report_page(PLAN, results, MACHINE, COMMAND)
     ours = report_page(replace(PLAN, rows=PLAN.rows[1:]), {}, MACHINE, COMMAND)

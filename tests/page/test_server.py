@@ -199,7 +199,7 @@ def test_names_of_several_lines_are_refused_in_one(client: Client, name: str, ar
 
 def test_too_large_bodies_are_refused(client: Client) -> None:
     answer = client.post("/api/open", body=b" " * (MOST_CALL + 1))
-    assert (answer.status, answer.failure["text"]) == (413, "more than 4 MB at once")
+    assert (answer.status, answer.failure["text"]) == (413, "more than 4 MiB at once")
     assert client.post("/api/open", Content_Length="9" * 12).status == 413
     assert client.post("/api/open", Content_Length="9" * 30).status == 400
     endless = client.post("/api/open", body=(b" " * 2**20 for _ in range(5)))

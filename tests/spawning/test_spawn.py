@@ -276,6 +276,20 @@ def test_a_robot_at_a_pose_of_a_turned_map_is_turned_with_it(poses: Poses) -> No
     assert poses()["burger"].x == pytest.approx(x)
 
 
+def test_a_chosen_place_where_something_is_already_has_a_note(poses: Poses) -> None:
+    rsegen.spawn(EVEN, simulator="sim")
+    assert rsegen.spawn(EVEN, robot="burger", pose=(0, 0, 0), simulator="sim").notes == ()
+    for notes in (
+        rsegen.spawn(EVEN, robot="burger", pose=(0.05, 0, 0), name="b", simulator="sim").notes,
+        rsegen.spawn("burger", at=(0, 0.05, poses()["burger"].z), name="c", simulator="sim").notes,
+    ):
+        assert "the origin of burger is 0.05 m away" in [note.split(";")[0] for note in notes]
+    assert rsegen.spawn("burger", at=(0, 0, 3), name="high", simulator="sim").notes == ()
+    over = rsegen.spawn(POST, at=(0.1, 0), simulator="sim")
+    assert over.notes == ("post_0000 is over the ground of even_0000, so their blocks may be inside each other",)
+    assert rsegen.spawn(POST, name="beside", at=(9, 0), simulator="sim").notes == ()
+
+
 def test_a_pose_at_which_a_robot_tips_over_is_refused(memory_world: MemoryWorld) -> None:
     with pytest.raises(ParameterError, match=r"^pose: burger tips over at"):
         rsegen.spawn(POST, robot="burger", pose=(0.1, 0.05, 0), simulator="sim")

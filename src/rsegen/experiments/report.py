@@ -318,7 +318,7 @@ def _cells(
         "RTF min-max (mean)": f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
         "CPU: server": f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
         "CPU: machine": beside_mean(_percent, real, "machine") or "-",
-        "memory": beside_mean(lambda value: f"{_plain(value, 0)} MB", every, "memory"),
+        "memory": beside_mean(lambda value: f"{_plain(value, 0)} MiB", every, "memory"),
         "load": f"{_plain(median_of(every, 'load'), 1)} s",
         "frames per s": _plain(median_of(every, "fps"), 1),
         "GPU": _percent(median_of(every, "gpu")),
@@ -420,7 +420,7 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     quick = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
     panels: dict[str, tuple[str, _Limits]] = {"real-time factor: least, mean, most": (real, rtf_limits)} if real else {}
     panels["simulated seconds per second of CPU"] = quick, partial(_limits, name="speed")
-    panels["memory of the simulator [MB]"] = quick, partial(_limits, name="memory")
+    panels["memory of the simulator [MiB]"] = quick, partial(_limits, name="memory")
     figure = Figure(figsize=(5 * len(panels), 5.5), dpi=100, layout="constrained")
     several = len({row.simulator for row in plan.rows}) > 1
     handles: dict[str, Any] = {}

@@ -176,7 +176,7 @@ def _description() -> dict[str, str]:
     return {
         "processor": named[1] if named else platform.processor() or platform.machine(),
         "cores": str(os.cpu_count()),
-        "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GB",
+        "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GiB",
         "system": platform.platform(),
         "load before": " ".join(f"{load:.1f}" for load in os.getloadavg()) if hasattr(os, "getloadavg") else "?",
     }

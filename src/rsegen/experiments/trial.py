@@ -118,7 +118,7 @@ A server that keeps up has 0.97 or more in every second; one that does not uses 
 class Outcome:
     """The measured cost of a trial, and figures of its robots, None if not measured.
 
-    load: seconds until the world was loaded; memory: MB at the end; speed: simulated seconds per second of CPU
+    load: seconds until the world was loaded; memory: MiB at the end; speed: simulated seconds per second of CPU
     cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1
     starved: whether other programs left the server too little of them (STARVED)
     attempts: number of servers that were started; all before the last one failed

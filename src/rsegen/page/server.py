@@ -125,7 +125,7 @@ class Refused(Exception):
 async def body_of(request: Request, most: int) -> bytes:
     """Return the body of a request; one that is larger is refused, and not kept."""
     size = request.headers.get("content-length", "0")
-    too_large = Refused(413, f"more than {most // 2**20} MB at once")
+    too_large = Refused(413, f"more than {most // 2**20} MiB at once")
     if not size.isdecimal() or len(size) > 15 or int(size) > _DISCARDED * most:
         raise too_large
     body, read = bytearray(), 0

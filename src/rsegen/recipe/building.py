@@ -71,10 +71,10 @@ def blocks(recipe: MapDesign, index: int) -> Levels:
 
 def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cell, Patch]:
     """Return the cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
-    rng = generator(recipe.seed, index, obstacle.key or "")
-    first, last = obstacle.ends(recipe.grid, *obstacle.wanted_ends(recipe.grid), rng)
-    patch = obstacle.patch(recipe.grid, first, last, rng)
-    refuse_other_levels(obstacle, patch, recipe.grid)
+    rng, grid = generator(recipe.seed, index, obstacle.key or ""), recipe.grid
+    first, last = obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
+    patch = obstacle.patch(grid, first, last, rng)
+    refuse_other_levels(obstacle, patch, grid)
     return first, last, patch
 
 

@@ -252,8 +252,11 @@ class MapDesign:
     @property
     def level_range(self) -> tuple[int, int]:
         """The lowest and the highest level of any obstacle in the maps, from the ground: 0 or less, 0 or more."""
-        ranges = [obstacle.level_range for _, obstacle in self.enabled_obstacles]
-        return min((low for low, _ in ranges), default=0), max((high for _, high in ranges), default=0)
+        low = high = 0
+        for _, obstacle in self.enabled_obstacles:
+            lowest, highest = obstacle.level_range
+            low, high = min(low, lowest), max(high, highest)
+        return low, high
 
     @property
     def top_level(self) -> int:

@@ -79,7 +79,7 @@ class Work:
 
 
 class Usage(NamedTuple):
-    """CPU time in seconds so far, and memory in MB."""
+    """CPU time in seconds so far, and memory in MiB."""
 
     cpu: float
     memory: float

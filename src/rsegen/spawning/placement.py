@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, count, product
-from math import cos, floor, hypot, sin
+from math import cos, dist, floor, hypot, sin
 from typing import NamedTuple
 
 from rsegen.field.stepfield import StepField
@@ -32,6 +32,13 @@ class Area(NamedTuple):
         return (
             abs(self.x - other.x) > self.half_x + other.half_x + GAP - _ROUNDING
             or abs(self.y - other.y) > self.half_y + other.half_y + GAP - _ROUNDING
+        )
+
+    def overlaps(self, other: Area) -> bool:
+        """Return whether both have ground in common, more than their edges."""
+        return (
+            abs(self.x - other.x) < self.half_x + other.half_x - _ROUNDING
+            and abs(self.y - other.y) < self.half_y + other.half_y - _ROUNDING
         )
 
 
@@ -95,7 +102,7 @@ class SpawnedMap:
 GROUND = "ground_plane"
 """The name of the ground in Gazebo's worlds, on which everything may be placed."""
 
-RADIUS = 0.3
+_RADIUS = 0.3
 """The assumed radius, metres, of a model that is not one of rsegen's robots: that of a robot of a Jackal's class.
 
 A larger model may be put into a block; a smaller one is only put higher than need be, and falls.
@@ -111,4 +118,23 @@ def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area
 def model_radius(name: str) -> float:
     """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
     kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
-    return hypot(*kind.size[:2]) / 2 if kind else RADIUS
+    return hypot(*kind.size[:2]) / 2 if kind else _RADIUS
+
+
+def crowded_robot_notes(
+    at: Pose, radius: float, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]
+) -> Iterator[str]:
+    """Yield a warning for each model that a robot of this radius may touch at a place."""
+    known = {GROUND, *(spawned.name for spawned in maps)}
+    for name, other in poses.items():
+        away = dist((other.x, other.y, other.z), (at.x, at.y, at.z))
+        if name not in known and away < radius + model_radius(name):
+            yield f"the origin of {name} is {away:.2f} m away; models that are inside each other are thrown apart"
+
+
+def crowded_map_notes(new: SpawnedMap, maps: Sequence[SpawnedMap]) -> Iterator[str]:
+    """Yield a warning for each map on whose ground a new map is."""
+    # The rectangles around turned maps may overlap where their blocks do not, so this says no more than that.
+    for other in maps:
+        if other.area.overlaps(new.area):
+            yield f"{new.name} is over the ground of {other.name}, so their blocks may be inside each other"

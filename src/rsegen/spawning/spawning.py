@@ -37,7 +37,16 @@ from rsegen.simulators.connecting import connected, opened_folder
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.spawning.map_models import MapModel, known_recipes, map_model, map_of, unknown_map_notes
-from rsegen.spawning.placement import GROUND, RADIUS, Area, SpawnedMap, free_area, model_radius, occupied
+from rsegen.spawning.placement import (
+    GROUND,
+    Area,
+    SpawnedMap,
+    crowded_map_notes,
+    crowded_robot_notes,
+    free_area,
+    model_radius,
+    occupied,
+)
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import find_spots
 from rsegen.writing.target_worlds import Target, path_of, recipe_files
@@ -143,17 +152,18 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             start = spot or _on_top(spawnable, occupied(poses, maps), maps, place)
             live.spawn(spawnable.file(name, live.backend), start)
             notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            notes += _own_notes(spawnable, live)
+            notes += _own_notes(spawnable, start, live, poses, maps)
             return SpawnResult(name=name, simulator=running.name, at=start, notes=tuple(notes))
         if rider is None:
             new, moved = _spawned(live, spawnable, name, place, poses, maps)
-            return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+            notes = list(crowded_map_notes(new, maps))
+            return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved, notes=tuple(notes))
         at_rest = _at_rest(spawnable.field, rider, pose) if pose else None
         ground, moved, notes = _running_map(spawnable, poses, maps, place), (), []
         if ground is None:
             ground, moved = _spawned(live, spawnable, spawnable.name, place, poses, maps)
-            notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
-            poses = live.poses()
+            notes = [f"{ground.name} was not in the simulation, and was spawned too", *crowded_map_notes(ground, maps)]
+            poses, maps = live.poses(), [*maps, ground]
         if at_rest:
             start = _in_world(at_rest, rider, ground)
         else:
@@ -161,7 +171,7 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             start = spot or _on_top(rider, occupied(poses, maps), maps, [])
             notes += [] if spot else [_NO_SPOT.format(map=ground.name, robot=rider.kind)]
         live.spawn(rider.file(name, live.backend), start)
-        notes += _own_notes(rider, live)
+        notes += _own_notes(rider, start, live, poses, maps)
         on = ground.name if ground.covers(start, 0.0) else None
         return SpawnResult(name=name, simulator=running.name, at=start, put_on_top=moved, on=on, notes=tuple(notes))
 
@@ -230,8 +240,11 @@ def _in_world(rest: Pose, robot: DrivableRobot, ground: SpawnedMap) -> Pose:
     return replace(rest, x=x, y=y, z=ground.at.z + rest.z + float(up[2]), yaw=ground.at.yaw + rest.yaw)
 
 
-def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
-    return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
+def _own_notes(
+    robot: DrivableRobot, start: Pose, live: LiveWorld, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]
+) -> list[str]:
+    crowded = crowded_robot_notes(start, hypot(*robot.size[:2]) / 2, poses, maps)
+    return [*crowded, *(robot.spawn_notes(live.backend) if isinstance(robot, SdfRobot) else ())]
 
 
 def _on_top(robot: DrivableRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
@@ -247,13 +260,15 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
     radius, body = hypot(*robot.size[:2]) / 2, robot.body_or_box
     for spawned in maps:
         others = [
-            at for model, at in poses.items() if model not in (spawned.name, GROUND) and spawned.covers(at, radius)
+            (at, model_radius(model))
+            for model, at in poses.items()
+            if model not in (spawned.name, GROUND) and spawned.covers(at, radius)
         ]
         with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):  # with its name: the same model on the same map gets the same spot
                 (spot,) = find_spots(spawned.field, body, 1, generator(seed, 0, name))
                 start = _in_world(Pose.above(spot), robot, spawned)
-                if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
+                if all(hypot(at.x - start.x, at.y - start.y) > radius + other for at, other in others):
                     return start
     return None
 
